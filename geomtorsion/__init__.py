@@ -118,7 +118,12 @@ if TYPE_CHECKING:
     from geomtorsion.materials.images import (
         LatticeImage,
     )
-    from geomtorsion.materials.lines import Box, DislocationNetwork, LineArrays
+    from geomtorsion.materials.lines import (
+        Box,
+        DislocationNetwork,
+        DislocationSeries,
+        LineArrays,
+    )
     from geomtorsion.materials.maps import (
         Circuit,
         OrientationMap,
@@ -182,7 +187,7 @@ _LATER = {
     ),
     "materials.elasticity": ("ElasticConstants", "NyeField", "stresses"),
     "materials.fields": ("SampledFrame", "ScatteredFrame"),
-    "materials.lines": ("Box", "DislocationNetwork", "LineArrays"),
+    "materials.lines": ("Box", "DislocationNetwork", "DislocationSeries", "LineArrays"),
     "materials.maps": ("Circuit", "OrientationMap", "Phase"),
     "materials.images": ("LatticeImage",),
     "proofs": ("closed_orbit", "poincare", "prove"),
@@ -248,6 +253,7 @@ __all__ = [
     "Complex",
     "Connection",
     "DislocationNetwork",
+    "DislocationSeries",
     "ElasticConstants",
     "Form",
     "Frame",

@@ -60,6 +60,9 @@ def values() -> dict[str, Callable[[], Any]]:
         "Crystal": lambda: gt.crystals.Crystal(atoms, np.diag([18.0] * 3)),
         "Diffusion": lambda: gt.diffusion(gt.cartan(so3)),
         "DislocationNetwork": lambda: gt.DislocationNetwork.of_arrays(arrays),
+        "DislocationSeries": lambda: gt.DislocationSeries(
+            [0], [gt.DislocationNetwork.of_arrays(arrays)]
+        ),
         "ElasticConstants": lambda: steel,
         "NyeField": lambda: gt.NyeField(np.zeros((3, 3, 4, 4, 4)), box, "um"),
         "Stresses": lambda: gt.stresses(gt.DislocationNetwork.of_arrays(arrays), steel, shape=8),

@@ -101,7 +101,8 @@ def autoparallel(
         its value.
     potential
         V, a function of the coordinates, t and parameters, which adds F_k = -E_k^mu dV/dq^mu;
-        several have names: {"sun": "-1/r", "flattening": "J/r**3"}.
+        several have names: {"sun": "-1/r", "flattening": "J/r**3"}. Forces and potentials in
+        pieces or from tables are solved by `to_ode` of the curve.
 
     Raises
     ------

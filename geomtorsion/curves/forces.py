@@ -7,6 +7,7 @@ from dataclasses import dataclass, field, replace
 from functools import partial
 
 import sympy as sp
+from sympy.core.function import AppliedUndef
 
 from geomtorsion.codegen import Products
 from geomtorsion.curves.equations import Geodesic, Law, Rates, velocity_names
@@ -98,6 +99,13 @@ class Forced:
             return None
         total = self.field.sum([(1, x) for x in heights])
         return None if any(symbol.name == self.clock for symbol in total.symbols) else total
+
+    @property
+    def unknown(self) -> str:
+        """A function in the forces that has no values, such as of pieces or a table; or nothing."""
+        terms = (x.sympy for x in self.acceleration)
+        parts = {part for term in terms for part in term.atoms(AppliedUndef)}
+        return min(map(str, parts), default="")
 
     @property
     def text(self) -> str:

@@ -27,11 +27,14 @@ from geomtorsion.curves.stops import (
     terms_in_chart,
     with_stops,
 )
+from geomtorsion.curves.to_ode import ode_of
 from geomtorsion.curves.transported import Carried, Derivatives, carrying
 from geomtorsion.errors import (
     AccuracyError,
+    ArgumentError,
     BranchError,
     ChartEdgeError,
+    ExpressionError,
     GeomtorsionError,
     MissingValueError,
     SingularPointError,
@@ -55,9 +58,10 @@ from geomtorsion.ode.numbers import (
     precision_of,
 )
 from geomtorsion.ode.poles import AT_A_POLE
+from geomtorsion.ode.problem import ODE
 from geomtorsion.ode.rates import CLOCK
 from geomtorsion.ode.roots import nearest_to_zero
-from geomtorsion.ode.terms import expression, symbol_table
+from geomtorsion.ode.terms import At, When, expression, symbol_table
 from geomtorsion.ode.trajectory import Event, Segment, Stage, State, Trajectory
 from geomtorsion.support import checks
 from geomtorsion.support.caching import cached_property
@@ -137,6 +141,46 @@ class CurveProblem:
             plain = written(self.frame, self.law, place)
             self._written[key] = carrying(plain, self.carried) if self.carried else plain
         return self._written[key]
+
+    def to_ode(
+        self,
+        *,
+        events: Iterable[At | When] = (),
+        tables: Mapping[str, object] | None = None,
+        time: str = "",
+    ) -> ODE:
+        """The curve as first-order equations in its home chart, with forces in pieces and tables.
+
+        The states are the coordinates and the frame velocities u^i, or coordinates only if the
+        velocities are constant.
+
+        events, tables: see `ODE.of`; the names of tables are functions in the forces. time: its
+        name; by default the one that the forces use.
+
+        Raises
+        ------
+        ArgumentError
+            the curve has no start, or carries vectors along.
+
+        Examples
+        --------
+        >>> from geomtorsion.curves import geodesic
+        >>> from geomtorsion.geometry import Frame
+        >>> from geomtorsion.ode import solve
+        >>> line = Frame("x", [[1]])
+        >>> pushed = geodesic(line, [0], [1], force=["pieces(x, 0, 1, 2)"]).to_ode()
+        >>> round(float(solve(pushed, 3.0)["x"][-1]), 9)
+        7.0
+        """
+        if self.start is None or self.carried:
+            raise ArgumentError(
+                "expected a curve with a start and without vectors carried along, got "
+                f"{checks.shown(self)}. Give its start, or solve the curve itself."
+            )
+        equations = self.equations()
+        start = dict(zip(self.coordinates, self.start, strict=True))
+        speeds = dict(zip(equations.velocities, self.frame_velocity, strict=True))
+        return ode_of(equations, start, speeds, self.parameters, events, tables, time)
 
     def chart(self, name: str) -> Chart:
         """A chart of the atlas, with the edges of a law that has its own."""
@@ -413,7 +457,12 @@ class CurveProblem:
     # -- for the solver --------------------------------------------------------------------------
 
     def check_start(self) -> None:
-        """Refuse a start beyond an edge of the frame, and find the first chart."""
+        """Refuse forces in pieces, a start beyond an edge, and find the first chart."""
+        if isinstance(self.law, Forced) and self.law.unknown:
+            raise ExpressionError(
+                f"force: expected an expression with values, got {self.law.unknown}. Give it to "
+                "to_ode(tables=...), which takes pieces and tables, and solve the result."
+            )
         if self.start is None:
             self._check_stops({})
             return

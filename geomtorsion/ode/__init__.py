@@ -7,6 +7,7 @@ from geomtorsion.ode import (
     error_estimate,
     newton,
     numbers,
+    pieces,
     solution,
     writing,
 )
@@ -59,6 +60,7 @@ __all__ = [
     "is_equation_file",
     "newton",
     "numbers",
+    "pieces",
     "read_equations",
     "solution",
     "solve",

@@ -133,8 +133,8 @@ def without_kinks(expr: sp.Expr) -> sp.Expr:
     Examples
     --------
     >>> x = sp.Symbol("x", real=True)
-    >>> without_kinks(-sp.sign(x - 1) * sp.Abs(x))
-    -pieces(x, -x, 0, x)*pieces(x, -1, 1, 1)
+    >>> without_kinks(-sp.sign(x - 1)), without_kinks(sp.Abs(x))
+    (-pieces(x, -1, 1, 1), pieces(x, -x, 0, x))
     """
     if not expr.has(sp.Abs, sp.sign, sp.Max, sp.Min, sp.Heaviside):
         return expr

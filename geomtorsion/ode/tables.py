@@ -16,7 +16,7 @@ from geomtorsion.ode.pieces import ends, joined
 from geomtorsion.ode.terms import expression
 from geomtorsion.support import checks
 from geomtorsion.support.caching import cached_property
-from geomtorsion.support.copies import content_hash, equal_content
+from geomtorsion.support.copies import content_hash, equal_content, only_fields
 from geomtorsion.support.files import read_text
 
 INTERPOLATIONS = ("cubic", "monotone", "linear", "steps", "akima")
@@ -101,6 +101,9 @@ class Table:
 
     def __hash__(self) -> int:
         return content_hash(self)
+
+    def __getstate__(self) -> dict[str, object]:
+        return only_fields(self)
 
     def __repr__(self) -> str:
         low, high = self.places[[0, -1]].tolist()

@@ -33,6 +33,7 @@ if TYPE_CHECKING:
     from geomtorsion.pictures.prices import draw_price
     from geomtorsion.pictures.report import write_report
     from geomtorsion.pictures.ringing import draw_ringing
+    from geomtorsion.pictures.series import draw_series
     from geomtorsion.pictures.shadow import draw_shadow
     from geomtorsion.pictures.solar_system import draw_post_newtonian
     from geomtorsion.pictures.solutions import draw_solution
@@ -68,6 +69,7 @@ _HOMES = {
     "draw_shadow": "shadow",
     "draw_solution": "solutions",
     "draw_stars": "stars",
+    "draw_series": "series",
     "draw_stress": "stress",
     "draw_survey": "measured",
     "draw_tensor": "tensors",
@@ -98,6 +100,7 @@ __all__ = [
     "draw_post_newtonian",
     "draw_price",
     "draw_ringing",
+    "draw_series",
     "draw_shadow",
     "draw_solution",
     "draw_stars",

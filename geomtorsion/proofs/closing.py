@@ -68,29 +68,7 @@ def as_ode(problem: object) -> ODE:
             "problem: expected a law without the curve parameter, got one with it. Make the phase "
             "of the force a coordinate."
         )
-    parameters: dict[str, Any] = {**problem.parameters}
-    rates: dict[str, Any] = dict(equations.expressions)
-    start = dict(zip(problem.coordinates, problem.start, strict=True))
-    speeds = dict(zip(equations.velocities, problem.frame_velocity, strict=True))
-    if equations.moves:
-        start |= speeds
-    else:
-        parameters |= speeds
-        for name in speeds:
-            rates.pop(name, None)
-    used = {s.name for x in rates.values() for s in x.free_symbols}
-    invariants = {
-        name.replace(" ", "_"): sp.Add(
-            *(sp.Mul(_real(c.sympy), *map(real, names)) for c, names in products)
-        )
-        for name, products in equations.invariants.items()
-    }
-    used |= {s.name for x in invariants.values() for s in x.free_symbols}
-    return ODE.of(
-        rates, {name: start[name] for name in rates},
-        parameters={name: x for name, x in parameters.items() if name in used},
-        invariants=invariants, time="curve_parameter",
-    )  # fmt: skip
+    return problem.to_ode(time="curve_parameter")
 
 
 def density_of(problem: object) -> sp.Expr:

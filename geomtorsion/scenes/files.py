@@ -5,7 +5,7 @@ from __future__ import annotations
 import re
 from collections.abc import Callable, Iterable, Iterator, Mapping
 from contextlib import contextmanager
-from dataclasses import MISSING, fields
+from dataclasses import MISSING, fields, replace
 from os import PathLike
 from pathlib import Path
 from typing import Any
@@ -13,6 +13,7 @@ from typing import Any
 from geomtorsion.errors import FileFormatError, GeomtorsionError
 from geomtorsion.exact.names import CONSTANTS, FUNCTIONS
 from geomtorsion.exact.units import quantity, scale_of, with_unit
+from geomtorsion.ode import Table
 from geomtorsion.scenes.body import Body
 from geomtorsion.scenes.effects import EFFECTS, Effect
 from geomtorsion.scenes.scene import Scene
@@ -170,7 +171,43 @@ def read_file(path: str | PathLike[str]) -> Scene:
     >>> scene.name, round(scene.start.omega[1], 6)
     ('top', 3.141593)
     """
-    return scene_from(read_toml(path, advice=ADVICE), Path(path).stem)
+    file = read_toml(path, advice=ADVICE)
+    return scene_from(_with_tables(file, Path(path).parent), Path(path).stem)
+
+
+def _with_tables(file: TomlFile, folder: Path) -> TomlFile:
+    """The file with the rows of the tables in its folder that it names.
+
+    Raises
+    ------
+    FileFormatError
+        A table is not in the folder of the file, or has no two columns.
+    """
+    listed = file.data.get("effects", [])
+    effects = list(listed) if isinstance(listed, list) else []
+    for number, effect in enumerate(effects):
+        tables = effect.get("tables") if isinstance(effect, dict) else None
+        if not isinstance(tables, dict):
+            continue
+        read: dict[str, object] = {}
+        for name, value in tables.items():
+            key: Key = ("effects", number, "tables", name)
+            options = value if isinstance(value, dict) else {"rows": value}
+            rows = options.get("rows")
+            read[name] = value
+            if isinstance(rows, str):
+                if Path(rows).name != rows:
+                    file.fail(
+                        key,
+                        f"tables: expected the name of a file beside the scene, got {rows!r}. Put "
+                        "it into the same folder.",
+                    )
+                with placed(file, key, "tables: "):
+                    table = Table.of(folder / rows)
+                pairs = list(zip(table.places.tolist(), table.values.tolist(), strict=True))
+                read[name] = {**options, "rows": pairs}
+        effects[number] = {**effect, "tables": read}
+    return file if not effects else replace(file, data={**file.data, "effects": effects})
 
 
 def scene_from(file: TomlFile, name: str = "") -> Scene:
@@ -301,6 +338,11 @@ def _effect(file: TomlFile, key: Key, maker: type[Effect], table: Mapping[str, A
         if name not in values and item.default is MISSING and item.default_factory is MISSING:
             unit = f" ({units[name]})" if units.get(name) else ""
             file.fail(key, f"{maker.key}: {name}{unit} is missing.")
+    tables = values.get("tables", {})
+    for name, rows in tables.items() if isinstance(tables, dict) else ():
+        if isinstance(rows.get("rows") if isinstance(rows, dict) else rows, str):
+            # Only a scene that is read from a folder may name a file in it.
+            file.fail((*key, "tables", name), f"tables: expected rows of {name}, got {rows!r}.")
     with placed(file, key, f"{maker.key}: ", field_of):
         return maker(**values)
 

@@ -15,7 +15,7 @@ import sympy as sp
 
 from geomtorsion.codegen import Graph, graph
 from geomtorsion.errors import GeomtorsionError, SceneError, StartError
-from geomtorsion.ode import ODE, At, When
+from geomtorsion.ode import ODE, At, When, pieces
 from geomtorsion.rigid import attitude
 from geomtorsion.scenes.assembly import WORK, Assembly, by_quaternion
 from geomtorsion.scenes.context import (
@@ -393,7 +393,10 @@ def _is_zero(
 def _change(quantity: sp.Expr, rates: tuple[Rate, ...]) -> tuple[list[str], Graph | None]:
     """Terms of the rate of a quantity, with the names in them; None where there are no terms."""
     terms = [sp.diff(quantity, symbol) * rate for symbol, rate in rates]
-    terms = [term for term in terms if term != 0]
+    # What vanishes in one piece may not in another: pieces count as further unknowns.
+    parts = pieces.all_pieces(terms)
+    unknown = {part: sp.Symbol(f"piece {k}", real=True) for k, part in enumerate(parts)}
+    terms = [term.xreplace(unknown) for term in terms if term != 0]
     names = sorted({symbol.name for term in terms for symbol in term.free_symbols})
     return names, graph(names, terms, factor=False) if terms else None
 

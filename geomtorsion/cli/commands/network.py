@@ -17,8 +17,9 @@ from geomtorsion.cli.terminal import ROWS
 from geomtorsion.errors import GeomtorsionError, MissingExtraError, NetworkError
 from geomtorsion.geometry import Frame
 from geomtorsion.loops import Loop
-from geomtorsion.materials.lines import DislocationNetwork, LineFamily
+from geomtorsion.materials.lines import DislocationNetwork, DislocationSeries, LineFamily
 from geomtorsion.pictures.network import draw_lines
+from geomtorsion.pictures.series import draw_series
 from geomtorsion.pictures.style import save
 from geomtorsion.support.files import make_folder, write_text
 from geomtorsion.support.outgoing import count_text
@@ -26,7 +27,7 @@ from geomtorsion.support.progress import bar
 
 
 def network(
-    file: Annotated[Path, argument("FILE", "A ParaDiS or ExaDiS .data file.")],
+    file: Annotated[Path, argument("FILE", "A ParaDiS or ExaDiS .data file, or a folder.")],
     circle: Annotated[
         Texts, option(metavar="CENTRE:RADIUS[:PLANE]", text="A circuit: 0,0,0:5000:x,y")
     ] = [],
@@ -63,11 +64,15 @@ def network(
     its sense, has the b of the line. The command ends with 1 if b is not conserved at an
     inner node, or a circuit fails.
 
+    A folder holds the files of a simulation, one for each time. The output lists density and
+    junctions, and the junctions that form and dissolve from each file to the next.
+
     \b
     Examples:
       geomtorsion network chains.data -o out
       geomtorsion network chains.data --circle 0,0,0:20000:x,y --lattice fcc
       geomtorsion network chains.data --unit 2.55e-10 --format json | jq .density
+      geomtorsion network run -o out
     """
     if unit is not None and not 0 < unit < float("inf"):
         raise NetworkError(f"--unit: expected a positive length in metres, got {unit}.")
@@ -76,6 +81,13 @@ def network(
         raise NetworkError(
             "--lattice: expected a circuit, got none. Give one with --circle or --polygon."
         )
+    if file.is_dir():
+        if loops:
+            raise NetworkError(
+                "--circle, --polygon: expected a single file, got a folder. Name one of its files."
+            )
+        _show_series(file, symmetry, unit, bounded, form, output)
+        return
     parts = 2 + len(loops) + (output is not None)
     with bar(f"{file.name}: reading", parts) as show:
         done = 0
@@ -100,6 +112,72 @@ def network(
     failed = any("failed" in one for one in document["circuits"])
     if document["violations"] or failed:
         raise typer.Exit(ExitCode.failed)
+
+
+def _show_series(
+    folder: Path,
+    symmetry: str,
+    unit: float | None,
+    bounded: bool,
+    form: Form,
+    output: Path | None,
+) -> None:
+    """Networks in time: text or JSON, and network.json with a figure."""
+    with bar(f"{folder.name}: reading", 2) as show:
+        series = DislocationSeries.read(folder, not bounded)
+        if show is not None:
+            show(1, f"{folder.name}: {len(series)} networks")
+        square = None if unit is None else unit**-2
+        document = {
+            "file": folder.name,
+            "times": np.asarray(series.times).tolist(),
+            "density": series.density.tolist(),
+            "density_per_m2": None if square is None else (series.density * square).tolist(),
+            "densities": {key: row.tolist() for key, row in series.densities(symmetry).items()},
+            "junctions": series.junctions.tolist(),
+            "reactions": {
+                key: {"formed": formed.tolist(), "dissolved": dissolved.tolist()}
+                for key, (formed, dissolved) in series.reactions().items()
+            },
+        }
+    typer.echo(json.dumps(document, indent=2) if form is Form.json else _series_text(document))
+    if output is None:
+        return
+    make_folder(output)
+    written = [output / "network.json", output / "network.png"]
+    try:
+        save(draw_series(series, symmetry), written[1])
+    except MissingExtraError as error:
+        typer.echo(f"No picture: {error}", err=True)
+        written.pop()
+    write_text(written[0], json.dumps(document, indent=2) + "\n")
+    typer.echo(f"wrote {' and '.join(map(str, written))}", err=True)
+
+
+def _series_text(document: dict[str, Any]) -> str:
+    """Networks in time, in columns."""
+    times, reactions = document["times"], document["reactions"]
+    rows = [typer.style(document["file"], bold=True), f"  {len(times)} networks"]
+    rows.append(f"\n  {'time':>12}{'density':>28}{'junctions':>11}{'formed':>8}{'dissolved':>11}")
+    for k, time in enumerate(times):
+        metres = document["density_per_m2"]
+        one = {
+            "density": document["density"][k],
+            "density_per_m2": None if metres is None else metres[k],
+        }
+        counts = [
+            "" if k == 0 else str(sum(row[name][k - 1] for row in reactions.values()))
+            for name in ("formed", "dissolved")
+        ]
+        rows.append(
+            f"  {time:>12g}{_density(one):>28}{document['junctions'][k]:>11,}{counts[0]:>8}"
+            f"{counts[1]:>11}"
+        )
+    totals = {key: (sum(row["formed"]), sum(row["dissolved"])) for key, row in reactions.items()}
+    shown = sorted(totals.items(), key=lambda item: -sum(item[1]))[:ROWS]
+    rows += ["", f"  {'formed':>8}{'dissolved':>11}  lines that meet"] if shown else []
+    rows += [f"  {formed:>8,}{gone:>11,}  {key}" for key, (formed, gone) in shown]
+    return "\n".join(rows)
 
 
 def _circuits(given: dict[str, Texts]) -> list[Loop]:

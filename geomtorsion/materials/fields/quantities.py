@@ -15,15 +15,18 @@ from geomtorsion.materials.columns import Names
 # Names of the columns of other programs, in lower case: coordinates, components of a displacement,
 # and columns that are negative where a correlation failed (DICe, VIC).
 AXES = (
-    ("x", "coordinate_x", "x_coordinate", "x-coordinate", "pos_x", "x0", "x position", "x_pos"),
-    ("y", "coordinate_y", "y_coordinate", "y-coordinate", "pos_y", "y0", "y position", "y_pos"),
-    ("z", "coordinate_z", "z_coordinate", "z-coordinate", "pos_z", "z0", "z position", "z_pos"),
+    ("x", "coordinate_x", "x_coordinate", "pos_x", "x0", "x_position", "x_pos", "x_pic"),
+    ("y", "coordinate_y", "y_coordinate", "pos_y", "y0", "y_position", "y_pos", "y_pic"),
+    ("z", "coordinate_z", "z_coordinate", "pos_z", "z0", "z_position", "z_pos"),
 )
 COMPONENTS = (
-    ("u", "ux", "u_x", "vx", "dx", "disp_x", "x-displacement", "displacement_x", "u1", "d1"),
-    ("v", "uy", "u_y", "vy", "dy", "disp_y", "y-displacement", "displacement_y", "u2", "d2"),
-    ("w", "uz", "u_z", "vz", "dz", "disp_z", "z-displacement", "displacement_z", "u3", "d3"),
-)
+    ("u", "ux", "u_x", "vx", "dx", "disp_x", "x_displacement", "displacement_x", "u1", "d1",
+     "horizontal_displacement_u"),
+    ("v", "uy", "u_y", "vy", "dy", "disp_y", "y_displacement", "displacement_y", "u2", "d2",
+     "vertical_displacement_v"),
+    ("w", "uz", "u_z", "vz", "dz", "disp_z", "z_displacement", "displacement_z", "u3", "d3",
+     "out_of_plane_displacement_w"),
+)  # fmt: skip
 FAILED = ("sigma",)
 _KEYS = ("x", "y", "z", "u", "v", "w")
 _PLAIN = {
@@ -61,8 +64,8 @@ def quantity(word: str) -> str | None:
     plain = word.strip().lower()
     if VALUE.fullmatch(plain):
         return plain
-    if plain in _PLAIN:
-        return _PLAIN[plain]
+    if (joined := _joined(plain)) in _PLAIN:
+        return _PLAIN[joined]
     if plain in _ANGLES:
         return "theta"
     if slope := _SLOPE.fullmatch(plain):
@@ -77,17 +80,28 @@ def quantity(word: str) -> str | None:
     return None
 
 
+def _joined(word: str) -> str:
+    """A name with underscores for blanks, lines and colons."""
+    return re.sub(r"[\s_:-]+", "_", word)
+
+
 def quantities(names: Names) -> dict[str, int]:
-    """Number of the column of each quantity; the first name of a quantity counts."""
+    """Number of the column of each quantity; the first name of a quantity counts.
+
+    Where a table has both x and X (VIC: pixels of an image, and lengths on the surface), and the
+    same for u and U, capital letters count.
+    """
+    both = all({word, word.upper()} <= set(names.words) for word in "xyuv")
+    small = set("xyzuvw") if both else set()
     places: dict[str, int] = {}
     # Names that come first in the tables above are preferred.
     ranks = {name: k for names in (*AXES, *COMPONENTS) for k, name in enumerate(names)}
     for k, word in enumerate(names.plain):
         key = quantity(word)
-        if key is None:
+        if key is None or names.words[k] in small:
             continue
         old = places.get(key)
-        if old is None or ranks.get(word, 0) < ranks.get(names.plain[old], 0):
+        if old is None or ranks.get(_joined(word), 0) < ranks.get(_joined(names.plain[old]), 0):
             places[key] = k
     return places
 

@@ -4,11 +4,12 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
-from typing import ClassVar
+from typing import Any, ClassVar
 
 import sympy as sp
 
-from geomtorsion.errors import SceneError
+from geomtorsion.errors import ExpressionError, SceneError
+from geomtorsion.ode import Table
 from geomtorsion.scenes.body import Expression, Number
 from geomtorsion.scenes.context import Context
 from geomtorsion.scenes.effects.fields import check_vectors, read, read_three
@@ -48,6 +49,9 @@ class Custom(Effect):
         (time, {parameter: value}) pairs: parameters change at exact times.
     stop
         the motion stops where this expression falls through zero.
+    tables
+        name -> `gt.Table`, its rows (place, value), a file of two columns, or a table with rows,
+        interpolation and outside: functions in the expressions, such as "torque(t)".
 
     Raises
     ------
@@ -80,12 +84,13 @@ class Custom(Effect):
     outputs: Mapping[str, Expression | Sequence[Expression]] = field(default_factory=dict)
     switches: Sequence[Switch] = ()
     stop: Expression | None = None
+    tables: Mapping[str, object] = field(default_factory=dict)
 
     def __post_init__(self) -> None:
         """Check vectors, words and that states and starts agree."""
         check_vectors(self, "moment", "force")
         checks.choice(self.axes, ("space", "body"), "custom.axes", SceneError)
-        for name in ("parameters", "states", "start", "outputs"):
+        for name in ("parameters", "states", "start", "outputs", "tables"):
             value, kind = getattr(self, name), "a table of names"
             checks.instance(value, Mapping, f"custom.{name}", SceneError, expected=kind)
         lost = set(self.states) ^ set(self.start)
@@ -95,19 +100,23 @@ class Custom(Effect):
                 "one. Every state needs a rate and a start value."
             )
         object.__setattr__(self, "switches", _checked_switches(self.switches, self.parameters))
+        tables = {name: _written(_table(name, value)) for name, value in self.tables.items()}
+        object.__setattr__(self, "tables", tables)
 
     def adds(self, context: Context) -> Contribution:
         """Everything that was written down, in symbols."""
         own = self._names(context)
+        functions = {name: _table(name, value).function for name, value in self.tables.items()}
 
         def expression(value: Expression, what: str) -> sp.Expr:
-            return read(value, context, what, f"{self.called(context)}.{what}", own)
+            return read(value, context, what, f"{self.called(context)}.{what}", own, functions)
 
         def optional(value: Expression | None, what: str) -> sp.Expr | None:
             return None if value is None else expression(value, what)
 
-        moment = read_three(self.moment, context, "M", f"{self.called(context)}.moment", own)
-        force = read_three(self.force, context, "F", f"{self.called(context)}.force", own)
+        called = self.called(context)
+        moment = read_three(self.moment, context, "M", f"{called}.moment", own, functions)
+        force = read_three(self.force, context, "F", f"{called}.force", own, functions)
         if self.axes == "body":
             force = context.in_space(force)
         outputs = {
@@ -141,6 +150,29 @@ class Custom(Effect):
             make = context.switchable if name in switched else context.parameter
             own[name] = make(name, value)
         return own | {name: context.state(name) for name in self.states}
+
+
+def _table(name: str, value: object) -> Table:
+    """A table as it is, or from rows, a file, or a mapping with its fields."""
+    options: dict[str, Any] = {}
+    if isinstance(value, Mapping):
+        kind = "rows, interpolation or outside"
+        options = checks.known_keys(
+            value, ("rows", "interpolation", "outside"), "custom.tables", SceneError, expected=kind
+        )
+        value = options.pop("rows", None)
+    try:
+        return value if isinstance(value, Table) else Table.of(value, **options)
+    except ExpressionError as error:
+        raise SceneError(f"custom.tables: {name}: {error}") from None
+
+
+def _written(table: Table) -> object:
+    """A table as files write it: rows, with the names of its rules where they are not the usual."""
+    rows = tuple(zip(table.places.tolist(), table.values.tolist(), strict=True))
+    if table == Table.of(rows):
+        return rows
+    return {"rows": rows, "interpolation": table.interpolation, "outside": table.outside}
 
 
 def _checked_switches(

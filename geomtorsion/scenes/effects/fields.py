@@ -11,6 +11,7 @@ import sympy as sp
 from geomtorsion.errors import ExpressionError, SceneError
 from geomtorsion.exact import parse_expression
 from geomtorsion.exact.units import in_unit
+from geomtorsion.ode import pieces
 from geomtorsion.scenes.body import Expression, Number, exact
 from geomtorsion.scenes.context import GROUPS, Context
 from geomtorsion.scenes.effects.protocol import Effect, Switch, symbols_in
@@ -110,6 +111,7 @@ def read(
     name: str,
     where: str,
     names: Mapping[str, sp.Expr] | None = None,
+    functions: Mapping[str, type[sp.Function]] | None = None,
 ) -> sp.Expr:
     """An expression of time and state: text through the whitelist, a number as a parameter.
 
@@ -125,6 +127,8 @@ def read(
         How errors call the expression.
     names
         Further names that it may contain.
+    functions
+        Further functions by name, such as tables.
 
     Raises
     ------
@@ -142,7 +146,8 @@ def read(
     symbols = {**known_names(context), **(names or {})}
     if isinstance(value, str):
         try:
-            return parse_expression(value, symbols, {}, where=where, decimals=True)
+            known = {**pieces.FUNCTIONS, **(functions or {})}
+            return parse_expression(value, symbols, known, where=where, decimals=True)
         # The parser knows no states; a wrong name is better explained here.
         except ExpressionError:
             _check_names(value, symbols, where)
@@ -151,7 +156,8 @@ def read(
     if own:
         _check_names(" ".join(symbol.name for symbol in own), symbols, where)
         # Symbols with other assumptions (real, positive) are replaced by known ones of their name.
-        return sp.Expr.subs(value, {symbol: symbols[symbol.name] for symbol in own})
+        own_value = sp.Expr.subs(value, {symbol: symbols[symbol.name] for symbol in own})
+        return pieces.without_piecewise(own_value, where)
     return context.parameter(name, value)
 
 
@@ -173,10 +179,11 @@ def read_three(
     name: str,
     where: str,
     names: Mapping[str, sp.Expr] | None = None,
+    functions: Mapping[str, type[sp.Function]] | None = None,
 ) -> sp.Matrix:
     """Three expressions as a column."""
     expressions = [
-        read(value, context, f"{name}{k + 1}", f"{where}[{k}]", names)
+        read(value, context, f"{name}{k + 1}", f"{where}[{k}]", names, functions)
         for k, value in enumerate(values)
     ]
     return sp.Matrix(expressions)

@@ -130,6 +130,39 @@ def test_a_surface_in_space_on_a_grid(tmp_path: Path, slopes: tuple[float, float
     assert frame.burgers(gt.Loop.circle([2, 1.5], 1)).magnitude == pytest.approx(0, abs=1e-9)
 
 
+DISPLACED = {
+    "x,y,u,v": {},
+    "X [mm];Y [mm];Ux [mm];Uy [mm]": {},
+    "x_pic y_pic u1 u2": {},
+    "x position,y position,disp x,disp y": {},
+    "COORDINATE_X,COORDINATE_Y,DISPLACEMENT_X,DISPLACEMENT_Y": {},
+    "x_pic[Pixel];y_pic[Pixel];Horizontal Displacement U[Pixel];Vertical Displacement V[Pixel]": {},
+    "a,b,c,d": {"x": 0, "y": "b", "u": 2, "v": 3},
+}
+
+
+@pytest.mark.parametrize("head", DISPLACED)
+def test_names_of_displacements(tmp_path: Path, head: str):
+    """Names of columns as several programs write them."""
+    split = next((mark for mark in ";," if mark in head), " ")
+    u, v = 0.01 * X, 0.002 * X * Y
+    path = table(tmp_path / "a.txt", head, X, Y, u, v, split=split)
+    frame = gt.SampledFrame.read(path, columns=DISPLACED[head])
+    assert frame.displacement is not None
+    assert frame.displacement.values == pytest.approx(np.array([u, v]))
+
+
+def test_pixels_and_lengths_in_one_table(tmp_path: Path):
+    """VIC writes x, y, u, v in pixels and X, ..., W in lengths: the latter belong together."""
+    head = "x,y,u,v,sigma,X,Y,Z,U,V,W"
+    z, pixels = 0.3 * X, 50 * X
+    u = [0.01 * X, 0.002 * Y, 0.003 * X]
+    path = table(tmp_path / "a.csv", head, pixels, 50 * Y, u[0], u[1], X**0, X, Y, z, *u)
+    frame = gt.SampledFrame.read(path)
+    assert frame.axes[0] == pytest.approx(X[:, 0])
+    assert frame.coframe[2, 0] == pytest.approx(0.303 * X**0)
+
+
 def test_a_curved_surface_has_the_curvature_of_its_metric(tmp_path: Path):
     """Points on a sphere of radius 5 without displacement: the scalar curvature is 2 / 25."""
     x, y = np.meshgrid(np.linspace(-1, 1, 21), np.linspace(-1, 1, 21), indexing="ij")

@@ -1,0 +1,80 @@
+"""Curves as first-order equations: forces in pieces and from tables, and walls."""
+
+import math
+
+import numpy as np
+import pytest
+from scipy.interpolate import CubicSpline
+
+import geomtorsion as gt
+from geomtorsion.errors import ArgumentError, ExpressionError
+
+PLANE = gt.Frame("x y", [[1, 0], [0, 1]], name="plane")
+
+
+def test_a_free_line_is_the_same_motion():
+    """Without forces the motion is a straight line."""
+    free = gt.geodesic(PLANE, [1, 2], [3, -1])
+    solution = gt.solve(free.to_ode(), 2.0)
+    assert [solution["x"][-1], solution["y"][-1]] == pytest.approx([7, 0], abs=1e-12)
+
+
+def test_a_curve_and_its_equations_agree():
+    """An orbit in Schwarzschild's space, solved both ways."""
+    orbit = gt.geodesic(
+        "schwarzschild", [0, 10, math.pi / 2, 0], [1.2, 0, 0, 0.04], parameters={"M": 1}
+    )
+    curve, ode = gt.solve(orbit, 50.0), gt.solve(orbit.to_ode(), 50.0)
+    for name in ("t", "r", "phi"):
+        assert ode[name][-1] == pytest.approx(curve[name][-1], rel=1e-8)
+
+
+def test_a_potential_in_pieces_conserves_energy():
+    """A spring that acts for x > 0 only: half a period, then free flight."""
+    spring = gt.geodesic(PLANE, [-1, 0], [1, 1], potential="pieces(x, 0, 0, x**2/2)").to_ode()
+    solution = gt.solve(spring, 1 + math.pi + 2)
+    assert solution["x"][-1] == pytest.approx(-2, rel=1e-9)
+    assert solution["y"][-1] == pytest.approx(3 + math.pi, rel=1e-9)
+    assert solution.drift["energy"] <= 1e-10
+
+
+@pytest.mark.parametrize("potential", ["pieces(x - y, x, 0, x**2)", "pieces(x, x, 1, 2*x - 1)"])
+def test_forces_of_a_potential_in_pieces_are_its_slopes(potential):
+    """The acceleration on each side is minus the slope of that branch."""
+    ode = gt.geodesic(PLANE, [2, 0], [0, 0], potential=potential).to_ode()
+    texts = {"pieces(x - y, x, 0, x**2)": "-pieces(x - y, 1, 0, 2*x)",
+             "pieces(x, x, 1, 2*x - 1)": "-pieces(x, 1, 1, 2)"}  # fmt: skip
+    reference = gt.ODE.of({"x": "u1", "y": "0", "u1": texts[potential]}, [2, 0, 0])
+    x = gt.solve(reference, 0.5)["x"][-1]
+    assert gt.solve(ode, 0.5)["x"][-1] == pytest.approx(x, rel=1e-9)
+
+
+def test_forces_and_potentials_from_tables():
+    """A force over time and a potential over a coordinate agree with the polynomials of scipy."""
+    times = np.linspace(0, 2, 9)
+    table = gt.Table.of(np.column_stack([times, np.cos(times)]))
+    pushed = gt.geodesic(PLANE, [0, 0], [0, 0], force=["F(t)", "0"]).to_ode(tables={"F": table})
+    spline = CubicSpline(times, np.cos(times))
+    assert gt.solve(pushed, 2.0)["u1"][-1] == pytest.approx(spline.integrate(0, 2), rel=1e-9)
+    places = np.linspace(-2, 2, 17)
+    hill = gt.Table.of(np.column_stack([places, places**2 / 2]))
+    ball = gt.geodesic(PLANE, [1, 0], [0, 0], potential="V(x)").to_ode(tables={"V": hill})
+    # A cubic spline goes through a parabola.
+    assert gt.solve(ball, 2.0)["x"][-1] == pytest.approx(math.cos(2), rel=1e-9)
+
+
+def test_a_light_ray_is_reflected_by_a_wall():
+    """In polar coordinates a radial line turns at r = 2."""
+    line = gt.geodesic("flat_polar", [1, 0], [1, 0])
+    wall = [gt.When("2 - r", {"u1": "-u1"})]
+    assert gt.solve(line.to_ode(events=wall), 1.5)["r"][-1] == pytest.approx(1.5, rel=1e-9)
+
+
+def test_curves_without_a_start_and_pieces_in_a_solved_curve_are_refused():
+    """The message names what to do."""
+    with pytest.raises(ArgumentError, match="start"):
+        gt.autoparallel(
+            gt.cartan(gt.spaces.load("so3").frame), None, frame_velocity=[1, 0, 0]
+        ).to_ode()
+    with pytest.raises(ExpressionError, match="to_ode"):
+        gt.solve(gt.geodesic(PLANE, [0, 0], [0, 1], force=["pieces(x, 1, 1, 2)", "0"]), 1.0)
