@@ -136,7 +136,7 @@ CEILINGS = {
 }
 # Lines of code below and above the wall, rounded up to five hundreds, without docstrings, comments
 # and blanks. A change that needs more raises a number and states in its commit what users get.
-BUDGET = {"below the wall": 56000, "above the wall": 60500}
+BUDGET = {"below the wall": 56000, "above the wall": 61000}
 # What a program that imports the package does not wait for.
 LATER = ("sympy", "flint", "mpmath", "numpy", "multiprocessing", "asyncio", "tomllib", "sqlite3")
 HEAVY = ("networkx", "scipy", "typer", "rich", "matplotlib", "heyoka", "marimo", "dask", "ase")
@@ -388,6 +388,18 @@ def test_importing_is_light():
     assert not imported & {*LATER, *HEAVY}
     assert {"sympy", "flint", "geomtorsion"} <= framed
     assert not framed & {"multiprocessing", "asyncio", *HEAVY}
+
+
+def test_a_first_motion_is_light():
+    """A motion loads no part of scipy; to load one takes as long as sympy."""
+    code = "import sys, geomtorsion; geomtorsion.solve, geomtorsion.geodesic; print(*sys.modules)"
+    done = subprocess.run(
+        [sys.executable, "-c", code], capture_output=True, text=True, check=True, cwd=ROOT
+    )
+    loaded = set(done.stdout.split())
+    assert {"geomtorsion.curves", "geomtorsion.ode.solve"} <= loaded
+    parts = ("integrate", "interpolate", "linalg", "optimize", "sparse", "spatial", "special")
+    assert not loaded & {f"scipy.{part}" for part in parts}
 
 
 def test_help_is_light():
