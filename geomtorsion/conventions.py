@@ -105,6 +105,11 @@ CONVENTIONS = (
         "R = R_bar + T + 2 D_bar_a v^a; R = 0 for Cartan: R_bar = - T - 2 D_bar_a v^a.",
     ),
     Convention(
+        "action",
+        "S = integral of L sqrt|g| d^n q / (16 pi), with L = R for general relativity",
+        "T and Q are minus R_bar up to a divergence: -T has gravitons of positive energy.",
+    ),
+    Convention(
         "torsion force",
         "q''^c + Gamma_bar_ab^c q'^a q'^b = 2 S_a^c_b q'^a q'^b on an autoparallel",
         "Force per unit mass; zero where S is totally antisymmetric.",

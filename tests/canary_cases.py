@@ -116,6 +116,10 @@ def gravity_functions() -> list[Case]:
             "gravity.maxwell", lambda potential: _with_matter(g.maxwell(potential)),
             potential=["y", 0],
         ),
+        _of(
+            "gravity.kalb_ramond", lambda potential: _with_matter(g.kalb_ramond(potential)),
+            potential=["y"],
+        ),
         _of("gravity.killing_yano", g.killing_yano, frame=PLANE, degree=1),
         _of("gravity.f_of", g.f_of, invariants=["T", "Rbar"], f="f"),
         _of("gravity.new_gr", g.new_gr, c1=1, c2="c2", c3=X),

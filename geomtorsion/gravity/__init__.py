@@ -46,6 +46,7 @@ from geomtorsion.gravity.theories import (
 )
 from geomtorsion.gravity.theory_files import read_theory
 from geomtorsion.gravity.translations import Translation, translations
+from geomtorsion.gravity.two_forms import kalb_ramond
 from geomtorsion.same import (
     IntegratedSymmetry,
     Symmetries,
@@ -94,6 +95,7 @@ __all__ = [
     "invariant_connection",
     "invariant_torsion",
     "invariants",
+    "kalb_ramond",
     "killing_equations",
     "killing_yano",
     "maxwell",

@@ -476,6 +476,18 @@ class FieldEquations:
 
         Its two indices are different, one down and one up: `E_lower` has both down, and
         `symmetric` and `antisymmetric` are its parts. In coordinates: `E.in_coordinates()`.
+
+        E[0, 0] is exact and contains unknown functions themselves, so that a formula can replace
+        them; sympy prints their derivatives as `Subs(...)`. `E.to_sympy(short=True)` has the names
+        of the printed tensor, f_T for df/dT.
+
+        Examples
+        --------
+        >>> import geomtorsion as gt
+        >>> cosmos = gt.spaces.load("frw_flat").frame
+        >>> E = gt.gravity.equations(gt.cartan(cosmos), "f(T)").E
+        >>> E.to_sympy(short=True)[0, 0]
+        -12*f_T*Derivative(a(t), t)**2/a(t)**2 + f(T)
         """
         own = self._variation.coframe.components.get
         sources = [one.coframe_source(self.connections[0]) for one in self._fluids]

@@ -6,7 +6,7 @@ from abc import ABC, abstractmethod
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from fractions import Fraction
-from typing import ClassVar, Protocol
+from typing import ClassVar, Protocol, Self
 
 import sympy as sp
 from sympy.core.function import AppliedUndef
@@ -83,6 +83,10 @@ class MatterField(ABC):
     def numbered_name(self, name: str) -> str:
         """X for the first field of its kind, X_2 for the second."""
         return name if self.number == 1 else f"{name}_{self.number}"
+
+    def with_number(self, number: int) -> Self:
+        """The field with another number."""
+        return replace(self, number=number)  # type: ignore[type-var]
 
     @abstractmethod
     def elements(self, frame: Frame) -> Sequence[Element]:
@@ -211,7 +215,7 @@ class ScalarField(MatterField):
         """X = phi_a phi^a, and traces of powers of phi_ab."""
         powers = enumerate(SECOND, 1)
         traces = {self.numbered_name(name): _trace(self.hessian, k) for k, name in powers}
-        return {self.names[0]: _square(self.symbol, 1), **traces}
+        return {self.names[0]: square(self.symbol, 1), **traces}
 
     def scalars(self, frame: Frame) -> dict[str, Element]:
         """phi."""
@@ -341,7 +345,7 @@ class Maxwell(MatterField):
     @property
     def products(self) -> Mapping[str, tuple[Product, ...]]:
         """F2 = F_ab F^ab."""
-        return {self.names[0]: _square(self.numbered_name("F"), 2)}
+        return {self.names[0]: square(self.numbered_name("F"), 2)}
 
     def coframe(self, equations: Varied) -> Tensor:
         """- 2 dL/dF_nb F_ib - dL/dA_n A_i, slots DU."""
@@ -382,7 +386,7 @@ class Maxwell(MatterField):
         return [*terms, (1, equations.tensor(self.symbol).components.get((i,)), flow)]
 
 
-def _square(name: str, rank: int) -> tuple[Product, ...]:
+def square(name: str, rank: int) -> tuple[Product, ...]:
     """A tensor contracted with itself."""
     factor = Factor(name, tuple(range(1, rank + 1)))
     return (Product(Fraction(1), (factor, factor)),)
@@ -401,9 +405,9 @@ def numbered(matter: Iterable[object]) -> tuple[object, ...]:
     owners: dict[str, str] = {}
     result: list[object] = []
     for one in matter:
-        if isinstance(one, ScalarField | Maxwell):
+        if isinstance(one, MatterField):
             counts[one.kind] = counts.get(one.kind, 0) + 1
-            one = replace(one, number=counts[one.kind])
+            one = one.with_number(counts[one.kind])
             for name in dict.fromkeys((*one.names, one.symbol)):
                 if name in owners:
                     raise GravityError(

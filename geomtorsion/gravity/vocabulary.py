@@ -27,6 +27,8 @@ MATTER = {
     "hessian3": "gravity.scalar_field(phi)",
     "phi": "gravity.scalar_field(phi)",
     "F2": "gravity.maxwell(A)",
+    "H2": "gravity.kalb_ramond(B)",
+    "B2": "gravity.kalb_ramond(B)",
 }
 # The cosmological constant: the one constant that is added to invariants without a declaration.
 COSMOLOGICAL = ("Lambda", "Λ")

@@ -21,7 +21,7 @@ def test_version_of_the_package_is_printed():
 
 def test_help_lists_the_commands():
     """The overview lists all commands."""
-    assert len(COMMANDS) == 39
+    assert len(COMMANDS) == 40
     for group, commands in GROUPS.items():
         text = run(*group.split(), "--help").stdout
         for name in commands.summaries:

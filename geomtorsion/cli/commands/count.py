@@ -53,6 +53,9 @@ def count(
     vectors: Annotated[
         int, typer.Option(metavar="N", help="Number of vector fields A, with F2 and A_a.")
     ] = 0,
+    two_forms: Annotated[
+        int, typer.Option(metavar="N", help="Number of two-forms B, with H2 and B2.")
+    ] = 0,
     near: Annotated[
         str | None,
         option(
@@ -114,6 +117,7 @@ def count(
             near=start,
             scalars=fields,
             vectors=vectors,
+            two_forms=two_forms,
             parameters=given,
             constants=constants,
             invariants=invariants_of(invariant),

@@ -16,6 +16,8 @@ from geomtorsion.geometry.numeric.numeric_field import Numeric, NumericField
 from geomtorsion.geometry.numeric.power_series import PowerSeries
 
 Place = tuple[int, ...]
+# Components of each of some fields.
+Potentials = Sequence[Sequence[Tensor]]
 
 
 @dataclass(frozen=True)
@@ -67,15 +69,16 @@ class Setting:
 
     kind: the varied fields. coordinates: in order. constants: values by name.
     equations: makes field equations from connections and fields of matter.
-    scalars: number of scalar fields; vectors: number of vector fields.
+    scalars, vectors, two_forms: numbers of these fields.
     """
 
     kind: Varied
     coordinates: tuple[sp.Symbol, ...]
     constants: Mapping[str, float]
-    equations: Callable[[Connection, Sequence[Tensor], Sequence[Sequence[Tensor]]], Any]
+    equations: Callable[[Connection, Sequence[Tensor], Potentials, Potentials], Any]
     scalars: int
     vectors: int
+    two_forms: int
 
     @property
     def dimension(self) -> int:
@@ -86,7 +89,8 @@ class Setting:
     def size(self) -> int:
         """Number of fields."""
         own = len(self.kind.coframe) + len(self.kind.turning)
-        return own + self.scalars + self.dimension * self.vectors
+        pairs = self.dimension * (self.dimension - 1) // 2
+        return own + self.scalars + self.dimension * self.vectors + pairs * self.two_forms
 
     def theory(self, series: PowerSeries, fields: np.ndarray, *, moving: bool = True) -> Any:
         """The field equations at power series of the fields; moving: with their operators."""
@@ -111,7 +115,9 @@ class Setting:
         connection = make(frame) if make else _turned(frame, turning)
         scalars = [_scalar(frame, next(start)) for _ in range(self.scalars)]
         vectors = [[_scalar(frame, next(start)) for _ in range(n)] for _ in range(self.vectors)]
-        return self.equations(connection, scalars, vectors)
+        pairs = range(n * (n - 1) // 2)
+        forms = [[_scalar(frame, next(start)) for _ in pairs] for _ in range(self.two_forms)]
+        return self.equations(connection, scalars, vectors, forms)
 
     def residuals(self, series: PowerSeries, fields: np.ndarray) -> list[Numeric]:
         """All equations that vary the fields."""

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
+from itertools import product
 
 import numpy as np
 
@@ -14,16 +15,18 @@ def fitted(
     geometry: str,
     gauge: tuple[tuple[int, int], ...],
     n: int,
-    vectors: int,
+    fields: tuple[int, int],
 ) -> tuple[tuple[tuple[int, int], ...], int | None]:
     """The gauge symmetry that fits H, and the order from which the fit holds.
+
+    fields: numbers of vector fields and of two-forms.
 
     The fit holds for all numbers that are the same with one order less, from some order on. These
     are at least n + 1 numbers, one more than the phase space determines, and a known symmetry has
     as many functions of n variables. No later number is below the fit, because numbers only fall
     where the order grows.
     """
-    known = _symmetries(geometry, gauge, n, vectors)
+    known = _symmetries(geometry, gauge, n, *fields)
     same = confirmed(numbers, shorter)
     for place in range(same - n):
         heads = [int(np.diff(numbers, k)[place]) for k in range(n + 1)]
@@ -46,12 +49,13 @@ def polynomial(heads: Sequence[int], q: int) -> int:
 
 
 def _symmetries(
-    geometry: str, gauge: tuple[tuple[int, int], ...], n: int, vectors: int
+    geometry: str, gauge: tuple[tuple[int, int], ...], n: int, vectors: int, two_forms: int
 ) -> dict[int, tuple[tuple[int, int], ...]]:
     """Number of functions of n variables -> the gauge symmetries that have so many.
 
     Diffeomorphisms change coframe and metric by first derivatives, rotations of a tetrad change it
-    without a derivative, and a gradient changes a vector field.
+    without a derivative, and a gradient changes a vector field. A two-form is changed by the
+    derivative of n functions, less the gradient of one function, which changes nothing.
     """
     further: list[tuple[tuple[int, int], ...]] = [()]
     if geometry == "teleparallel":
@@ -60,7 +64,8 @@ def _symmetries(
         further.append(((n, 1),))
     table: dict[int, tuple[tuple[int, int], ...]] = {}
     for extra in further:
-        for k in range(vectors + 1):
+        for k, forms in product(range(vectors + 1), range(two_forms + 1)):
             pairs = (*gauge, *extra, *(((k, 1),) if k else ()))
+            pairs += ((n * forms, 1), (-forms, 2)) if forms else ()
             table.setdefault(sum(m for m, _ in pairs), pairs)
     return table

@@ -205,16 +205,30 @@ class Spectrum:
         """
         if self.lorentz_violating:
             return sp.false
+        return self._condition(1)
+
+    @cached_property
+    def healthy_opposite(self) -> sp.Basic:
+        """The condition in the couplings that -L, the opposite of the Lagrangian, is healthy.
+
+        The sign of L multiplies the energies of all particles, and no equation in a vacuum shows
+        it. L = T is -R up to a divergence, so that gravitons of -T have positive energy.
+        """
+        return sp.false if self.lorentz_violating else self._condition(-1)
+
+    def _condition(self, sign: int) -> sp.Basic:
+        """The condition that there is no ghost and no tachyon; sign: of the Lagrangian."""
         expressions: list[sp.Expr] = []
         for one in self.particles:
             if one.energy is None:
                 return sp.false
+            energy = one.energy * sign
             if one.mass2 is None:
-                expressions += positive_roots(sp.Poly(one.equation, VARIABLE), one.energy)
+                expressions += positive_roots(sp.Poly(one.equation, VARIABLE), energy)
             elif one.is_tachyon:
                 return sp.false
             else:
-                expressions += [one.energy] if one.is_massless else [one.mass2, one.energy]
+                expressions += [energy] if one.is_massless else [one.mass2, energy]
         return all_positive(expressions)
 
     def subs(self, values: Mapping[Any, object] | None = None, **named: object) -> Spectrum:
@@ -240,7 +254,11 @@ class Spectrum:
         odd = [
             f"not Lorentz invariant: waves with {x} = 0 for k = 1" for x in self.lorentz_violating
         ]
-        return "\n".join([head, *map(str, self.particles), *odd, _healthy_text(self.healthy)])
+        last = _healthy_text(self.healthy)
+        if self.healthy == sp.false and self.healthy_opposite != sp.false:
+            other = _healthy_text(self.healthy_opposite)
+            last += f"\nthe opposite action, L = -({self.lagrangian.expression}): {other}"
+        return "\n".join([head, *map(str, self.particles), *odd, last])
 
     __repr__ = __str__
 
@@ -280,6 +298,7 @@ class Spectrum:
             "particles": [one.to_json() for one in self.particles],
             "lorentz_violating": [str(x) for x in self.lorentz_violating],
             "healthy": str(self.healthy),
+            "healthy_opposite": str(self.healthy_opposite),
         }
 
     # -- particles at rest -----------------------------------------------------------------------

@@ -21,7 +21,7 @@ from geomtorsion.gravity.invariants import Invariant
 from geomtorsion.gravity.lagrangian import Lagrangian
 from geomtorsion.gravity.matter import maxwell, scalar_field
 from geomtorsion.gravity.numeric.solution_jets import Jet, noise
-from geomtorsion.gravity.numeric.varied import Setting, varied
+from geomtorsion.gravity.numeric.varied import Potentials, Setting, varied
 from geomtorsion.gravity.perturbed.geometries import GEOMETRIES, OF_THEORY, names_of, theory_in
 from geomtorsion.gravity.perturbed.hilbert import confirmed, fitted, polynomial
 from geomtorsion.gravity.perturbed.trial_fields import (
@@ -30,6 +30,7 @@ from geomtorsion.gravity.perturbed.trial_fields import (
     start_coordinates,
     trial,
 )
+from geomtorsion.gravity.two_forms import kalb_ramond
 from geomtorsion.gravity.vocabulary import declared_constants
 from geomtorsion.support import checks
 from geomtorsion.support.caching import cached_property
@@ -214,6 +215,7 @@ def degrees_of_freedom(
     near: Frame | DegreesOfFreedom | None = None,
     scalars: str | Iterable[str] | Mapping[str, object] = (),
     vectors: int = 0,
+    two_forms: int = 0,
     parameters: Mapping[str, object] | None = None,
     constants: str | Iterable[str] = (),
     invariants: Invariant | Iterable[Invariant] = (),
@@ -245,7 +247,9 @@ def degrees_of_freedom(
     scalars
         Names of scalar fields, or names with formulas near which they are searched.
     vectors
-        Number of vector fields.
+        Number of vector fields, with F2 and A_a in the Lagrangian.
+    two_forms
+        Number of two-forms of Kalb and Ramond, with H2 and B2.
     parameters
         Values of the constants of the Lagrangian; others get a value, which `.assumed` lists.
     order
@@ -279,6 +283,7 @@ def degrees_of_freedom(
                      invariants=(*theory.invariants, *own))  # fmt: skip
     formulas = dict(scalars) if isinstance(scalars, Mapping) else dict.fromkeys(names_of(scalars))
     count = checks.count(vectors, "vectors", GravityError, 0, 4)
+    count_of_forms = checks.count(two_forms, "two_forms", GravityError, 0, 4)
     coordinates = COORDINATES[:n]
     if isinstance(near, Frame):
         coordinates = start_coordinates(near, n)
@@ -287,22 +292,24 @@ def degrees_of_freedom(
     kind = varied(name, n)
 
     def equations(
-        connection: Connection, own: Sequence[Tensor], potentials: Sequence[Sequence[Tensor]]
+        connection: Connection, own: Sequence[Tensor], potentials: Potentials, forms: Potentials
     ) -> FieldEquations:
         matter: list[Any] = [
             scalar_field(value, None if text == "phi" else text)
             for text, value in zip(formulas, own, strict=True)
         ]
         matter += [maxwell(x) for x in potentials]
+        matter += [kalb_ramond(x) for x in forms]
         made = FieldEquations((connection,), theory, tuple(matter))
         made.check_names()
         made.check_presence()
         return made
 
-    setting = Setting(kind, coordinates, {}, equations, len(formulas), count)
+    setting = Setting(kind, coordinates, {}, equations, len(formulas), count, count_of_forms)
     if not setting.size:
         raise GravityError(
-            f"geometry: expected a matter field for {name}, got none. Give scalars= or vectors=."
+            f"geometry: expected a matter field for {name}, got none. Give scalars=, vectors= or "
+            "two_forms=."
         )
     values, assumed = _constants(setting, parameters)
     setting = replace(setting, constants=values)
@@ -335,7 +342,7 @@ def degrees_of_freedom(
         below = PowerSeries(n, last - 1)
         cut_off = Jet(below, solved.fields[:, : below.size], setting.residuals)
         shorter, *others = cut_off.freedom(highest)
-        gauge, place = fitted(numbers, shorter, name, kind.gauge, n, count)
+        gauge, place = fitted(numbers, shorter, name, kind.gauge, n, (count, count_of_forms))
         branch, scalars_at = _branch(setting, solved)
         return DegreesOfFreedom(
             str(theory.expression), name, n, last, tuple(numbers), tuple(shorter), gauge, place,

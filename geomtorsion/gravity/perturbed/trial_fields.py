@@ -47,6 +47,8 @@ def labels(setting: Setting) -> list[str]:
     labels += [f"w {a} {i} {j}" for a, i, j in setting.kind.turning]
     labels += [f"scalar {k}" for k in range(setting.scalars)]
     labels += [f"A {k} {mu}" for k in range(setting.vectors) for mu in range(setting.dimension)]
+    pairs = range(setting.dimension * (setting.dimension - 1) // 2)
+    labels += [f"B {k} {pair}" for k in range(setting.two_forms) for pair in pairs]
     return labels
 
 

@@ -37,6 +37,31 @@ def test_matter_in_flat_space(n: int, lagrangian: str, options: dict[str, Any], 
     assert answer.number == number(n)
 
 
+@pytest.mark.parametrize(
+    ("lagrangian", "n", "order", "number"),
+    [
+        ("-H2/12", 3, None, 0),
+        ("-H2/12", 4, None, 1),
+        ("-H2/12 - B2/4", 3, 7, 1),
+        pytest.param("-H2/12 - B2/4", 4, None, 3, marks=pytest.mark.slow),
+    ],
+)
+def test_two_forms(lagrangian: str, n: int, order: int | None, number: int):
+    """Kalb and Ramond's field has (n - 2 over 2), with a mass (n - 1 over 2)."""
+    answer = count(lagrangian, "flat", dimension=n, two_forms=1, order=order)
+    assert answer.settled, answer.reason
+    assert answer.number == number
+
+
+@pytest.mark.slow
+def test_a_two_form_beside_a_vector_and_a_scalar():
+    """The gauge functions of all fields add up: 1 + 2 + 1 in four dimensions."""
+    answer = count("-H2/12 - F2/4 - X/2", "flat", dimension=4, scalars="phi", vectors=1,
+                   two_forms=1)  # fmt: skip
+    assert answer.number == 4
+    assert sum(m for m, _ in answer.gauge) == 4
+
+
 def test_chern_simons_has_none():
     """Chern and Simons' vector field in three dimensions: gauge, and no degree of freedom."""
     answer = count("CS", "flat", dimension=3, vectors=1, invariants=CHERN_SIMONS)
@@ -149,6 +174,7 @@ def test_an_order_more_where_the_count_is_not_settled():
     ("lagrangian", "geometry", "options", "number"),
     [
         ("R", "riemannian", {}, 2),
+        ("Q", "symmetric teleparallel", {}, 2),
         ("T", "teleparallel", {}, 2),
         ("(2 + phi)*R - X", "riemannian", {"scalars": "phi"}, 3),
         ("a*T1 + b*T2 + c*T3", "teleparallel", {}, 8),

@@ -396,3 +396,26 @@ def test_an_operator_needs_all_small_fields() -> None:
         equations.operator([u])
     with pytest.raises(GravityError, match="none for x"):
         operator.symbol({"t": s})
+
+
+@pytest.mark.parametrize(
+    ("theory", "opposite"),
+    [(gravity.tegr, "-T"), (gravity.stegr, "-Q"), (gravity.general_relativity, "-R")],
+)
+def test_the_sign_of_the_action_is_printed(theory: gravity.Lagrangian, opposite: str) -> None:
+    """T and Q are -R up to a divergence: their gravitons have the opposite sign of energy."""
+    geometry = {"T": "teleparallel", "Q": "symmetric teleparallel", "R": "riemannian"}[opposite[1]]
+    one, two = perturbed.spectrum(theory), perturbed.spectrum(opposite, geometry)
+    assert {one.healthy, two.healthy} == {sp.true, sp.false}
+    assert (one.healthy_opposite, two.healthy_opposite) == (two.healthy, one.healthy)
+    assert [x.energy for x in one.particles] == [-x.energy for x in two.particles if x.energy]
+    for spectrum in (one, two):
+        is_printed = "opposite action, L = -(" in str(spectrum)
+        assert is_printed == (spectrum.healthy == sp.false)
+
+
+def test_a_ghost_of_both_signs_has_no_better_action() -> None:
+    """Stelle's ghost has the other sign than the graviton: neither action is healthy."""
+    spectrum = perturbed.spectrum("R/2 + c*R4", "riemannian")
+    assert spectrum.healthy_opposite == sp.false
+    assert "opposite" not in str(spectrum)
