@@ -390,6 +390,18 @@ def test_importing_is_light():
     assert not framed & {"multiprocessing", "asyncio", *HEAVY}
 
 
+def test_a_first_motion_is_light():
+    """A motion loads no part of scipy; to load one takes as long as sympy."""
+    code = "import sys, geomtorsion; geomtorsion.solve, geomtorsion.geodesic; print(*sys.modules)"
+    done = subprocess.run(
+        [sys.executable, "-c", code], capture_output=True, text=True, check=True, cwd=ROOT
+    )
+    loaded = set(done.stdout.split())
+    assert {"geomtorsion.curves", "geomtorsion.ode.solve"} <= loaded
+    parts = ("integrate", "interpolate", "linalg", "optimize", "sparse", "spatial", "special")
+    assert not loaded & {f"scipy.{part}" for part in parts}
+
+
 def test_help_is_light():
     """The list of commands needs no library of mathematics; a refused name of a command neither."""
     for argument in ("--help", "--version", "geomtry"):

@@ -153,6 +153,7 @@ def in_options(message: str) -> str:
     'coframe, row 2, column 1: this bracket is never closed'
     """
     message = message.replace("overwrite=True", "--overwrite")
+    message = message.replace("conserved=[...]", "--conserved")
     message = _ENTRY.sub(
         lambda found: f"{found[1]}, row {int(found[2]) + 1}, column {int(found[3]) + 1}", message
     )

@@ -90,8 +90,8 @@ KeepOption = Annotated[
     Keep,
     typer.Option(
         "--keep",
-        help="metric: legs are free. teleparallel: they may differ by one constant turn. legs: "
-        "each leg onto the leg of the same number.",
+        help="metric: legs are free. teleparallel: they may differ by a constant rotation or "
+        "reflection. legs: each leg onto the leg of the same number.",
     ),
 ]
 BasisOption = Annotated[

@@ -151,10 +151,13 @@ def _limits(bounds: Bounds | None, first: Mapping[str, float]) -> tuple[np.ndarr
         )
         if one is None or two is None:
             checks.refuse(StartError, subject, wanted, pair, "Give numbers, or None.")
-        if not one <= first[name] <= two or one == two:
+        if one >= two:
+            remedy = "Give the lower bound first."
+            raise StartError(f"{subject}: expected {wanted}, got {one:g} and {two:g}. {remedy}")
+        if not one <= first[name] <= two:
             raise StartError(
-                f"{subject}: expected {one:g} < {two:g} around the first guess {first[name]:g}. "
-                "Change the bounds or the guess."
+                f"{subject}: expected bounds around the first guess {first[name]:g}, got {one:g} "
+                f"and {two:g}. Change the bounds or the guess."
             )
         k = list(first).index(name)
         low[k], high[k] = one, two

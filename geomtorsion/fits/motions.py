@@ -95,6 +95,10 @@ def fit(
         )
     if isinstance(times, str):
         times, data = Data.column(data, times)
+    elif (column := getattr(times, "name", None)) and column not in quantities(problem):
+        # A column of a table that has the times as well.
+        table = checks.by_name(data, "data", StartError)
+        data = {name: values for name, values in table.items() if name != column}
     names = checked_by(free, tuple(problem.variables), "free")
     at = checks.array(times, "times", TimeError, shape=(None,), shape_error=ShapeError)
     if not len(at):

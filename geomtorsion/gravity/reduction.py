@@ -321,6 +321,7 @@ class Reduction:
         """
         place, full = self.begin(start, parameters, near=near, origin=origin)
         centre = self.centre(start, parameters, near=near, origin=origin)
+        ends = [self._read_end(event) for event in events]
         rates, invariants, time = self.rates, self.invariants, self.variable
         every = {**self.outputs, **self.read(outputs or {}, "output")}
         numbers: dict[str, object] = {x: (parameters or {})[x] for x in self.parameters}
@@ -332,6 +333,7 @@ class Reduction:
             numbers[self.place_name] = place
             rates, invariants = self._moved(rates, here), self._moved(invariants, here)
             every = {**self._moved(every, here), self.variable: here}
+            ends = [self._moved_end(event, here) for event in ends]
         ode = ODE.of(
             rates,
             full,
@@ -339,7 +341,7 @@ class Reduction:
             invariants=invariants,
             outputs=every,
             time=time,
-            events=events,
+            events=ends,
         )
         return ode if centre is None else replace(ode, centre=centre)
 
@@ -359,6 +361,18 @@ class Reduction:
         if centre is None:
             return None
         return StartCentre(place, self.place_name, centre.states(values, known, guesses))
+
+    def _read_end(self, event: At | When) -> At | When:
+        """A condition of an event, with outputs replaced by their values."""
+        if not isinstance(event, When) or not self.outputs:
+            return event
+        return replace(event, falls=self.read({"stop": event.falls}, "event")["stop"])
+
+    def _moved_end(self, event: At | When, here: sp.Expr) -> At | When:
+        """A condition with another value of the variable, where it is not text."""
+        if not isinstance(event, When) or not isinstance(event.falls, sp.Expr):
+            return event
+        return replace(event, falls=event.falls.xreplace({self.jets.variable: here}))
 
     @property
     def place_name(self) -> str:

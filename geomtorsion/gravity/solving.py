@@ -10,6 +10,7 @@ import numpy as np
 from geomtorsion.errors import ArgumentError, GravityError
 from geomtorsion.gravity.composition import Composition
 from geomtorsion.gravity.equations import FieldEquations
+from geomtorsion.gravity.fluids import Fluid
 from geomtorsion.gravity.reduction import Reduction
 from geomtorsion.ode import At, Engine, Solution, When
 from geomtorsion.ode import solve as solve_ode
@@ -89,6 +90,11 @@ def solve(
         name = checks.known_name(
             variable, [x.name for x in equations.frame.coordinates], "variable", GravityError
         )
+        if any(isinstance(x, Fluid) and x.matter is not None for x in equations.matter):
+            raise GravityError(
+                "solve: expected a fluid with one density and one pressure, got an equation of "
+                "state, which may have several pieces. Give the equations to gravity.star."
+            )
         theory = Composition(
             equations, name, start, parameters, near, origin, conditions, outputs, tuple(events)
         )

@@ -27,7 +27,7 @@ def read_theory(path: str | PathLike[str]) -> Lagrangian:
     geometry
         Kind of connection, as in `Lagrangian`.
     constants
-        Names of constants that do not only multiply invariants: ``"n v"``.
+        Names of constants used elsewhere than as factors, for example exponents: ``"n v"``.
     invariants
         Table name -> formula with indices, as of `invariant`: ``Y = "R_abcd R^abdc"``.
 

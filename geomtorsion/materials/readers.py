@@ -32,6 +32,7 @@ from geomtorsion.materials.maps.map_tables import map_quantity
 from geomtorsion.materials.source import Source
 from geomtorsion.support import checks
 from geomtorsion.support.checks import shown
+from geomtorsion.support.file_kinds import other_kinds
 from geomtorsion.support.files import BOUNDS, ending, opened
 from geomtorsion.support.hdf5 import HDF5, check_hdf5
 from geomtorsion.support.npz import mapped_npy
@@ -220,10 +221,11 @@ def open_source(
             f"got {shown(path.suffix)}. Rename it."
         )
     if suffix not in SUFFIXES:
-        raise FileFormatError(
-            f"{path.name}: expected a name ending in {', '.join(SUFFIXES)}, got "
-            f"{shown(path.suffix)}. Rename the file, or export it in one of these formats."
-        )
+        with other_kinds(path, "a field, a map or an image"):
+            raise FileFormatError(
+                f"{path.name}: expected a name ending in {', '.join(SUFFIXES)}, got "
+                f"{shown(path.suffix)}. Rename the file, or export it in one of these formats."
+            )
     if is_array(path):
         raise GridError(
             f"{path.name}: expected a file that is read as a whole, got an array, which is mapped "

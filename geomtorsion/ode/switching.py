@@ -298,12 +298,12 @@ class Switching:
         """The sides on which the motion continues, after all conditions that fall now have acted.
 
         elapsed: time since the last change. crossed: the surface that was reached; None: a change
-        at a time. acts: whether conditions act, which they do not at the start.
+        at a time. acts: whether borders count as changes, which they do not at the start.
         """
         met = set() if crossed is None else {crossed}
         returned: set[int] = set()
         if crossed is not None:
-            position = self.crossed(position, crossed, bits)
+            position = self.crossed(self._placed(position, crossed, bits), crossed, bits)
         while True:
             mode = self.mode(position)
             values, slopes, sizes = self.looked(mode, position)
@@ -314,7 +314,10 @@ class Switching:
                 reach = abs(slope) * (abs(position.moment) + elapsed)
                 noise = NOISE * 2.0**-53 * (float(sizes[place]) + abs(level) + reach)
                 is_on = abs(gap) <= noise or (k == crossed and self._stays(surface, position))
-                side = gap > 0 if not is_on else slope > 0 if slope else position.above[k]
+                if is_on and not slope:
+                    side = self._side_at_rest(mode, position, k)
+                else:
+                    side = slope > 0 if is_on else gap > 0
                 if side != position.above[k]:
                     break
             else:
@@ -333,6 +336,38 @@ class Switching:
                 returned.add(k)
                 sides = [not x if j == k else x for j, x in enumerate(position.above)]
                 position = replace(position, above=tuple(sides))
+
+    def _side_at_rest(self, mode: Mode, position: Position, k: int) -> bool:
+        """The side on which a motion continues from a surface on which its term is at rest."""
+        surface, rates = self.surfaces[k], mode.rates
+        slope = along(surface.term, rates.expressions, self.time)
+        bend = along(slope, rates.expressions, self.time)
+        numbers = [position.parameters[x] for x in self.rates.parameters]
+        arguments = floats([*position.states, *numbers, position.moment])
+        value = float(graph(rates.names, [bend], factor=False).numpy()(*arguments)[0])
+        if not value:
+            # It stays, and the conditions wait for a fall.
+            waits = surface.down or surface.up
+            return bool(surface.down) if waits else position.above[k]
+        if surface.acting(down=value < 0):
+            raise Ended(
+                f"it rests on {surface.term} = {surface.level}, where a condition would fall again "
+                "and again"
+            )
+        return value > 0
+
+    def _placed(self, position: Position, k: int, bits: int) -> Position:
+        """A position that has reached a surface; a state that is the term is exactly on it.
+
+        An engine that measures errors by the size of a state would take very small steps from a
+        state that is as small as a rounding.
+        """
+        name = str(self.surfaces[k].term)
+        if name not in self.rates.states:
+            return position
+        states = list(position.states)
+        states[self.rates.states.index(name)] = self.numbers(position.parameters, bits)[k]
+        return replace(position, states=states)
 
     def _stays(self, surface: Surface, position: Position) -> bool:
         """Whether the changes at a surface leave its term as it is."""
@@ -360,8 +395,8 @@ class Switching:
         """The position on the other side of a surface, after its conditions have acted."""
         surface, down = self.surfaces[k], position.above[k]
         above = tuple(not x if j == k else x for j, x in enumerate(position.above))
-        entries = surface.acting(down=down) if acts else ()
-        if not (entries or surface.is_border) or not acts:
+        entries = surface.acting(down=down)
+        if not entries and not (surface.is_border and acts):
             return replace(position, above=above)
         time = position.moment
         if entries and k in position.fell and time - position.fell[k] <= STANDSTILL * abs(time):
@@ -426,7 +461,12 @@ class Switching:
         function = graph(self.rates.names, self.terms, factor=False).numpy()
         with np.errstate(all="ignore"):
             values = dict(zip(self.terms, function(*arguments), strict=True))
-        above = [bool(values[x.term] >= y) for x, y in zip(self.surfaces, levels, strict=False)]
+        above = []
+        for surface, level in zip(self.surfaces, levels, strict=False):
+            # On a level the conditions there may fall at once.
+            from_below = bool(surface.up) and not surface.down
+            value = values[surface.term]
+            above.append(bool(value > level if from_below else value >= level))
         return replace(position, above=tuple(above))
 
 

@@ -8,8 +8,8 @@ from os import PathLike
 from pathlib import Path
 
 import numpy as np
+import scipy  # loads its parts on first use
 import sympy as sp
-from scipy.interpolate import Akima1DInterpolator, CubicSpline, PchipInterpolator, PPoly
 
 from geomtorsion.errors import ExpressionError, FileFormatError
 from geomtorsion.ode.pieces import ends, joined
@@ -118,8 +118,11 @@ class Table:
             return y[None, :-1]
         if self.interpolation == "linear" or len(x) == 2:
             return np.array([np.diff(y) / np.diff(x), y[:-1]])
-        made: PPoly = {"cubic": CubicSpline, "monotone": PchipInterpolator,
-                "akima": Akima1DInterpolator}[self.interpolation](x, y)  # fmt: skip
+        kinds = scipy.interpolate
+        made = {
+            "cubic": kinds.CubicSpline, "monotone": kinds.PchipInterpolator,
+            "akima": kinds.Akima1DInterpolator,
+        }[self.interpolation](x, y)  # fmt: skip
         return made.c
 
     @cached_property
@@ -129,11 +132,13 @@ class Table:
         class Rows(sp.Function):
             """The table of rows."""
 
-            nargs = 1
-
             @classmethod
-            def eval(cls, place: sp.Expr) -> sp.Expr:
-                return self(place)
+            def eval(cls, *places: sp.Expr) -> sp.Expr:
+                if len(places) != 1:
+                    raise ExpressionError(
+                        f"table: expected one argument, got {len(places)}. Write F(t)."
+                    )
+                return self(places[0])
 
         return Rows
 

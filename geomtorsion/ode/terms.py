@@ -18,7 +18,7 @@ from geomtorsion.support import checks
 
 # An output is one expression, or several that make a vector.
 Terms: TypeAlias = sp.Expr | tuple[sp.Expr, ...]
-# Functions with kinks or jumps: pieces in rates and conditions. Only outputs may have steps as well.
+# Functions with kinks or jumps: pieces in rates and conditions. Only outputs may have steps too.
 KINKED = {name: getattr(sp, name) for name in ("Abs", "sign", "Max", "Min", "Heaviside")}
 KINKED |= {"abs": sp.Abs, "max": sp.Max, "min": sp.Min}
 STEPS = {name: getattr(sp, name) for name in ("floor", "ceiling")}

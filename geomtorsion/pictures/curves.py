@@ -24,9 +24,9 @@ from geomtorsion.pictures.style import (
     mathematics,
     new_figure,
     number,
+    plot_sizes,
     quiet,
     space_box,
-    visible,
 )
 from geomtorsion.pictures.text import greek_words
 
@@ -330,8 +330,7 @@ def quality_picture(pair: Pair) -> Figure:
         solution = pair.curves[curve]
         errors = error_over_time(solution)
         if errors is not None:
-            label = curve if errors.any() else f"{curve}: no difference at all"
-            left.plot(solution.times[: len(errors)], visible(errors), **stroke.line, label=label)
+            plot_sizes(left, solution.times, errors, stroke.line, curve)
     left.axhline(
         pair.straight.accuracy,
         color="#666b73",
@@ -342,8 +341,7 @@ def quality_picture(pair: Pair) -> Figure:
     left.set_title("Error estimate, relative", fontsize=11)
     right: Axes = figure.add_subplot(1, 2, 2, sharey=left)
     for (label, times, values), stroke in zip(drifts, SERIES * 3, strict=False):
-        shown = label if values[values == values].any() else f"{label}: none"
-        right.plot(times, visible(values), **stroke.line, label=shown)
+        plot_sizes(right, times, values, stroke.line, label)
     right.set_title("Drift of what should be constant, relative", fontsize=11)
     if not drifts:
         right.set_axis_off()
@@ -358,5 +356,5 @@ def quality_picture(pair: Pair) -> Figure:
                 loc="upper center", bbox_to_anchor=(0.5, -0.16), frameon=False, fontsize=8.5,
                 handlelength=3.2, ncols=1,
             )  # fmt: skip
-    captioned(figure, [*caption(pair), "Zero is drawn at the bottom, at 1e−17."])
+    captioned(figure, [*caption(pair), "Single zeros are drawn at the bottom, at 1e−17."])
     return figure

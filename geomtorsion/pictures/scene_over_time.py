@@ -15,6 +15,7 @@ from geomtorsion.pictures.style import (
     captioned,
     new_figure,
     number,
+    plot_sizes,
     quiet,
     visible,
 )
@@ -153,11 +154,10 @@ def trust_picture(
     clock = np.asarray(times, dtype=float)
     figure = new_figure(8.6, 4.8)
     axes: Axes = figure.add_subplot()
+    drawn = False
     for (name, values), stroke in zip(drifts.items(), SERIES[1:] * 4, strict=False):
-        shown = visible(values)
         label = f"drift of {name.replace('_', ' ')}"
-        label += "" if shown.max() > NOTHING else ": none"
-        axes.plot(clock[: len(shown)], shown, **stroke.line, label=label)
+        drawn |= plot_sizes(axes, clock, values, stroke.line, label)
     if errors is not None:
         shown = visible(errors)
         axes.plot(clock[: len(shown)], shown, **SERIES[0].line, label="error estimate")
@@ -180,7 +180,7 @@ def trust_picture(
     )
     if title:
         axes.set_title(title, fontsize=12, loc="left")
-    captioned(figure, [*notes, "Zero is drawn at the bottom, at 1e−17."])
+    captioned(figure, [*notes, *["Single zeros are drawn at the bottom, at 1e−17."] * drawn])
     return figure
 
 

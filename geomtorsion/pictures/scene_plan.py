@@ -73,7 +73,7 @@ def plan_picture(
     axes.set_axis_off()
     if title:
         figure.suptitle(title, fontsize=12)
-    lines = [f"Left out: {box}: {reason}" for box, reason in reasons.items()]
+    lines = [f"Omitted: {box}: {reason}" for box, reason in reasons.items()]
     captioned(figure, [*notes, *lines])
     return figure
 

@@ -301,6 +301,23 @@ def visible(values: ArrayLike) -> np.ndarray:
     return np.maximum(np.abs(np.asarray(values, dtype=float)), NOTHING)
 
 
+def plot_sizes(
+    axes: Axes, places: ArrayLike, values: ArrayLike, stroke: Mapping[str, Any], label: str
+) -> bool:
+    """Plot sizes on a logarithmic axis; exact zeros are named in the legend, not drawn.
+
+    Returns
+    -------
+    Whether a line was drawn.
+    """
+    sizes = np.abs(np.asarray(values, dtype=float))
+    if not np.nan_to_num(sizes).any():
+        axes.plot([], [], linestyle="none", label=f"{label}: exactly zero")
+        return False
+    axes.plot(np.asarray(places)[: len(sizes)], visible(sizes), **stroke, label=label)
+    return True
+
+
 def arrow(axes: Axes, start: Point, end: Point, color: str, width: float = 1.5) -> None:
     """An arrow from one point to another, its head as large as its line is wide."""
     look = {"arrowstyle": "-|>", "color": color, "linewidth": width, "shrinkA": 0, "shrinkB": 0}

@@ -220,7 +220,7 @@ class PriceList:
 
     @property
     def recommendation(self) -> str:
-        """One line: the fastest way to the finest accuracy, and the prices of both directions."""
+        """The fastest way to the finest accuracy, and what less and more cost; a line each."""
         if self.unit != "accuracy":
             return self._wall
         rows = [row for row in self.rows if row.reached]
@@ -240,18 +240,21 @@ class PriceList:
         text = f"Take {best.way}: {size_text(finest, 0)} in {duration_text(best.seconds)}"
         if others:
             ratio = others[0].seconds / best.seconds
-            text += f", {ratio:.3g} times faster than {others[0].way}"
+            text += f", {ratio:.2g} times faster than {others[0].way}"
+        lines = [text]
         loose = self.of(best.way)[0]
-        part = 100 * loose.seconds / best.seconds
-        text += f". {size_text(loose.requested, 0)} takes {part:.0f} % of this time"
+        if loose.requested > finest:
+            part = 100 * loose.seconds / best.seconds
+            lines.append(f"{size_text(loose.requested, 0)} takes {part:.0f} % of this time")
         plain = self.plain(best)
         if plain is not None:
             part = 100 * plain.seconds / best.seconds
-            text += f", a run without error estimate {part:.0f} %"
+            lines.append(f"Without an error estimate it takes {part:.0f} %")
         if proofs:
             ratio = proofs[0].seconds / best.seconds
-            text += f", a proof to {size_text(proofs[0].requested, 0)} {ratio:.3g} times as long"
-        return text + "."
+            digits = size_text(proofs[0].requested, 0)
+            lines.append(f"A proof to {digits} takes {ratio:.2g} times as long")
+        return "\n".join(f"{line}." for line in lines)
 
     @property
     def _wall(self) -> str:

@@ -62,6 +62,9 @@ class RegularStart:
         field = Field(symbols)
         terms = [field.read(x * rate.xreplace({time: here})).sympy
                  for rate in rates.expressions.values()]  # fmt: skip
+        # A root whose sign changes at the pole was read for one side of it.
+        if any(x in branch.radical.free_symbols for branch in field.relied_on):
+            return None
         start = tuple(centre.values[name] for name in rates.states)
         at = {x: sp.S.Zero}
         known = dict(zip(rates.states, start, strict=True))

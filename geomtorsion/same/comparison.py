@@ -42,8 +42,9 @@ def same_geometry(
         with the metric. One name beside a frame or space is a family: values of its parameters
         are searched, as in `spaces.identify`.
     keep
-        "metric": metrics, whose legs are free. "teleparallel": frames whose legs may differ by one
-        constant turn. "legs": frames, leg by leg in their order. None: "metric", or connections.
+        "metric": metrics, whose legs are free. "teleparallel": frames whose legs may differ by a
+        constant rotation or reflection. "legs": frames, leg by leg in their order. None:
+        "metric", or connections.
     orientation
         True: maps that exchange left and right do not count. Legs in their order are right-handed;
         where the legs are complex or come from a metric, coordinates in their order are.

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import partial
 
 import numpy as np
@@ -154,7 +154,7 @@ def _table() -> tuple[Observable, ...]:
           lambda _: tuple(VERTICAL), spin),
         q("precession", "angle of the third body axis about the vertical, phi3", "rad", (),
           lambda _: tuple(QUATERNION), precession),
-        q("axis", "axis of symmetry (else third body axis) in space", "", SPACE,
+        q("axis", "axis of symmetry, or third body axis, in space", "", SPACE,
           lambda a: tuple(ATTITUDE * sp.Matrix(_axis(a)))),
         q("vertical", "upward direction, body axes", "", AXES, lambda _: tuple(VERTICAL)),
         q("energy", "total energy", "J", (), lambda a: (a.kinetic_energy + a.potential_energy,)),
@@ -196,6 +196,10 @@ def observable(name: str, assembly: Assembly) -> Observable:
     UnknownNameError
         no effect provides it; the message names near ones.
     """
+    if name == "axis":
+        own = assembly.context.body.symmetry_axis is None
+        which = "third body axis" if own else "axis of symmetry"
+        return replace(OBSERVABLES[name], meaning=f"{which} in space")
     if name in OBSERVABLES:
         return OBSERVABLES[name]
     head, _, convention = name.partition(":")

@@ -346,7 +346,7 @@ class Scene:
         return solve_scene(scene, engine, checkpoint, progress)
 
     def cost(self, engine: Engine | None = None, repeats: int = 5) -> SceneCost:
-        """States and run time with the effects added one by one; prints as a table."""
+        """Number of states and run time, one row for each effect in the order of the scene."""
         return scene_cost(self, engine, repeats)
 
     def called_for(

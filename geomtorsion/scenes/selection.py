@@ -366,6 +366,8 @@ def selection_figure(selection: StateSelection) -> Figure:
 def _edges(selection: StateSelection, boxes: dict[str, str]) -> list[tuple[str, str]]:
     """Pairs (dependent, requirement), each once."""
     edges: dict[tuple[str, str], None] = {}
+    # An omitted state that another one contains is read from that one.
+    givers = {b: a for a, b, kind in selection.graph.edges(data="kind") if kind == "gives"}
     for needed, user, kind in selection.graph.edges(data="kind"):
         if kind == "gives" or user.startswith("stop "):
             continue
@@ -377,7 +379,8 @@ def _edges(selection: StateSelection, boxes: dict[str, str]) -> list[tuple[str, 
             if start and name in selection.effects:
                 edges[start, _effect(selection, name)] = None
             continue
-        end = boxes.get(group_of(needed))
+        group = group_of(needed)
+        end = boxes.get(group if group in boxes else givers.get(group, group))
         if start and end and start != end:
             edges[start, end] = None
     return list(edges)

@@ -14,6 +14,7 @@ __all__ = [
     "displays",
     "exclusive",
     "executors",
+    "file_kinds",
     "files",
     "hdf5",
     "hints",

@@ -47,7 +47,7 @@ print(json.dumps([spent, resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 10
 """
 
 
-def _fresh(program: str, argument: str, runs: int, bytecode: str) -> list[list[float]]:
+def fresh(program: str, argument: str, runs: int, bytecode: str) -> list[list[float]]:
     """The figures that the program prints, from `runs` processes."""
     environment = {**os.environ, "PYTHONPYCACHEPREFIX": bytecode}
     environment.pop("PYTHONDONTWRITEBYTECODE", None)
@@ -70,7 +70,7 @@ def first_calls(cases: list[str], runs: int, bytecode: str) -> str:
     """Markdown table: first call, second call in the same process, peak memory."""
     lines = ["| space | first call, cold | second call | peak memory |", "|---|---|---|---|"]
     for name in cases:
-        figures = _fresh(_FIRST_CALL, name, runs, bytecode)
+        figures = fresh(_FIRST_CALL, name, runs, bytecode)
         first, second, memory = (min(f[k] for f in figures) for k in range(3))
         note = ", Ricci not 0" if load(name).vacuum and not figures[0][3] else ""
         words = (load(name).title, seconds(first) + note, seconds(second), f"{memory:.0f} MB")
@@ -82,7 +82,7 @@ def imports(runs: int, bytecode: str) -> str:
     """Markdown table: import of sympy, and of geomtorsion including sympy."""
     lines = ["| import | time | peak memory |", "|---|---|---|"]
     for module in ("sympy", "geomtorsion"):
-        figures = _fresh(_IMPORT, module, max(runs, 5), bytecode)
+        figures = fresh(_IMPORT, module, max(runs, 5), bytecode)
         time, memory = (min(f[k] for f in figures) for k in range(2))
         lines.append(f"| {module} | {seconds(time)} | {memory:.0f} MB |")
     return "\n".join(lines)

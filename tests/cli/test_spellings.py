@@ -1,6 +1,7 @@
 """Spellings of options: the same words mean the same in every command."""
 
 import json
+from typing import Any
 
 import pytest
 import typer
@@ -11,7 +12,7 @@ from tests.cli.running import run
 
 def options() -> dict[str, set[str]]:
     """Name of each command -> its options."""
-    group = typer.main.get_command(app)
+    group: Any = typer.main.get_command(app)
     context = group.make_context("geomtorsion", [], resilient_parsing=True)
     commands = {name: group.get_command(context, name) for name in group.list_commands(context)}
     return {

@@ -223,6 +223,7 @@ def test_tables_of_pandas_and_xarray():
     for data in (table, marked, table.set_index("t"), table.to_records(index=False)):
         assert gt.fit(SWING, "t", data, None, ["k"]) == expected
     assert gt.fit(SWING, table["t"], table[["x"]], 0.01, ["k"]) == expected
+    assert gt.fit(SWING, table["t"], table[["t", "x"]], 0.01, ["k"]) == expected
     xarray = pytest.importorskip("xarray")
     data = xarray.Dataset({"x": ("t", x)}, coords={"t": TIMES})
     assert gt.fit(SWING, "t", data, 0.01, ["k"]) == expected
@@ -267,6 +268,11 @@ REFUSALS = [
     (lambda: gt.fit(SWING, TIMES, X, 1, ["k"], bounds={"k": 3}), StartError, "got 3"),
     (lambda: gt.fit(SWING, TIMES, X, 1, ["k"], bounds={"k": (5, 6)}), StartError, "first guess"),
     (lambda: gt.fit(SWING, TIMES, X, 1, ["k"], bounds={"k": ("a", 6)}), StartError, "or None"),
+    (
+        lambda: gt.fit(SWING, TIMES, X, 1, ["k"], bounds={"k": (5, 3)}),
+        StartError,
+        "lower bound first",
+    ),
     (lambda: gt.fit("kerr", TIMES, X, 1, ["M"]), StartError, "expected a problem"),
 ]
 

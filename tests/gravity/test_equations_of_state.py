@@ -22,6 +22,7 @@ FONT = 100 * 1.28e-3**2
 # The other integration omits a layer with this share of the root of the central pressure.
 SHARE = 1e-7
 NOTHING: Any = None
+OWN = g.equations(gt.levi_civita(STATIC), "R/(16*pi)", g.fluid(p="SLy"))
 
 
 @pytest.fixture(scope="module")
@@ -268,6 +269,7 @@ def rows_of(*pairs: tuple[float, float]) -> list[tuple[float, float]]:
         (lambda: g.family(SOFT, [1e-3], pressures=[1e-4]), "got both"),
         (lambda: g.family(SOFT, [1e-3, 2e-3]).at_mass(5), "expected a mass from"),
         (lambda: g.star(g.equations(gt.levi_civita(STATIC), "R"), pressure=1), "one fluid"),
+        (lambda: g.solve(OWN, "r", 10, {"A": 1, "eta": 1}), "to gravity.star"),
     ],
 )
 def test_refusals(call: Callable[[], object], words: str) -> None:

@@ -381,3 +381,18 @@ def test_refusals_of_fourth_order(
     """One more value is free, and a quadratic equation has two roots or none."""
     with pytest.raises(GeomtorsionError, match=words):
         curvature.begin(CENTRAL | start, {"rho0": "1e-3", "c": "-2"}, near=near)
+
+
+def test_an_exponential_of_torsion_ends_where_an_output_vanishes() -> None:
+    """With S = T p follows without a derivative; for small c the star is Schwarzschild's."""
+    fluid = g.fluid("rho0", "p(r)", AT_REST)
+    theory = g.equations(gt.cartan(PROPER), "-(exp(c*T) - 1)/(16*pi*c)", fluid)
+    reduced = theory.reduce("r", ["S(r) = T"])
+    assert "p" in reduced.outputs
+    numbers = {"rho0": "1e-3", "c": "1e-6"}
+    solution = g.solve(reduced, "r", 10, CENTRAL, numbers, near={"B": 1, "S": 0}, events=SURFACE)
+    share = (DENSITY + PRESSURE) / (DENSITY + 3 * PRESSURE)
+    radius = math.sqrt(3 * (1 - share**2) / (8 * math.pi * DENSITY))
+    assert solution.outcome == "stopped"
+    # c T is below a millionth of a hundredth.
+    assert float(solution["r"][-1]) == pytest.approx(radius, rel=1e-7)

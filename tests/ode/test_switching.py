@@ -279,6 +279,25 @@ def test_a_wall_with_two_sides_reflects():
         assert gt.solve(problem, 3.0)["x"][-1] == pytest.approx(exact)
 
 
+def test_a_mass_that_sticks_to_the_floor_stays_there():
+    """A condition that also takes away the weight leaves the mass at rest."""
+    stuck = gt.ODE.of(
+        {"z": "v", "v": "-g"},
+        {"z": 1, "v": 0},
+        parameters={"g": 10},
+        events=[gt.When("z", {"v": 0, "g": 0})],
+    )
+    solution = gt.solve(stuck, 3.0)
+    assert [solution["z"][-1], solution["v"][-1]] == [0, 0]
+
+
+def test_a_start_on_the_floor_that_moves_down_bounces_at_once():
+    """The condition falls at t = 0; a start that moves up leaves the floor."""
+    for speed, exact in ((-2, 0.0375), (2, 0.0875)):
+        solution = gt.solve(ball(z=0, v=speed), 0.05)
+        assert solution["z"][-1] == pytest.approx(exact, rel=1e-9)
+
+
 def test_a_neuron_that_fires_starts_again():
     """A state that is set back makes a periodic motion: V' = 2 - V up to 1, period log 2."""
     neuron = gt.ODE.of({"V": "2 - V"}, [0], events=[gt.When("1 - V", {"V": 0})])
@@ -314,6 +333,9 @@ ENDLESS = {
             gt.ODE.of({"v": "F(t)"}, [0], tables={"F": gt.Table.of([(0, 1), (1, 2)])}), 2.0
         ),
         "no rows beyond",
+    ),
+    "a ball that does not bounce": (
+        lambda: gt.solve(ball().with_start(parameters={"e": 0}), 1.0), "rests on z = 0",
     ),
     "backwards through a bounce": (lambda: gt.solve(ball(), -1.0), "forwards"),
 }  # fmt: skip
@@ -360,6 +382,12 @@ REFUSED = {
     ),
     "levels that decrease": (
         lambda: gt.ODE.of({"x": "pieces(x, 1, 2, 3, 1, 4)"}, [0]), ExpressionError, "increasing",
+    ),
+    "a start at rest on the floor": (
+        lambda: gt.solve(ball(z=0), 1.0), StartError, "rests on z = 0",
+    ),
+    "a table of two arguments": (
+        lambda: gt.ODE.of({"x": "F(x, 1)"}, [0], tables=F), ExpressionError, "one argument",
     ),
     "a missing piece": (
         lambda: gt.ODE.of({"x": "pieces(x, 1, 2)"}, [0]), ExpressionError, "each further piece",

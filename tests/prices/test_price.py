@@ -340,11 +340,13 @@ def test_three_rows_predict_time_and_digits():
 
 
 def test_recommendation():
-    """One line names the fastest way, and what fewer digits and a proof cost."""
+    """The first line names the fastest way, the others what fewer digits and a proof cost."""
     text = listed([1.0, 2.0, 3.0, 4.0]).recommendation
     assert text.startswith("Take A: 1e-11 in 4 s.")
     assert "1e-02 takes 25 % of this time" in text
-    assert "a proof to 1e-10 25 times as long" in text
+    assert text.splitlines()[-1] == "A proof to 1e-10 takes 25 times as long."
+    single = PriceList("a thing", "the truth", (priced("A", "estimate", 1.0),)).recommendation
+    assert single == "Take A: 1e-06 in 1 s."
 
 
 def priced(engine: str, certainty: str, seconds: float, **fields: Any) -> PriceRow:
@@ -359,10 +361,10 @@ def test_the_plain_run_is_of_the_same_engine():
     rows = [*long, priced("Taylor", "estimate", 4.0), priced("Taylor", "plain", 1.0)]
     text = PriceList("a thing", "the truth", tuple(rows)).recommendation
     assert "Take Taylor: 1e-06 in 4 s" in text
-    assert "a run without error estimate 25 %" in text
+    assert "Without an error estimate it takes 25 %." in text
     alone = PriceList("a thing", "the truth", tuple(rows[:3]))
     assert alone.plain(rows[2]) is None
-    assert "without error estimate" not in alone.recommendation
+    assert "Without an error estimate" not in alone.recommendation
 
 
 def test_a_way_without_results_has_its_own_reason():

@@ -5,6 +5,7 @@ import json
 import numpy as np
 import pytest
 from matplotlib.image import imread
+from matplotlib.text import Annotation
 
 from geomtorsion.errors import SceneError, UnknownNameError
 from geomtorsion.scenes import Body, Scene, SceneResult, State, load
@@ -138,3 +139,12 @@ def test_cones_of_what_turns(tilt, shown):
     """An angular velocity that changes its direction by less than 1e-6 draws no cones."""
     body, start = Body(moments=(1, 1, 2)), State(omega=(tilt, 0, 1))
     assert ("cones" in drawings(Scene(body, (), start, ["omega"], t=10).run())) == shown
+
+
+def test_a_plan_has_an_arrow_from_each_watched_quantity() -> None:
+    """An output that an omitted state gives has its arrow to the state that contains it."""
+    axes = load("lagrange_cusp").run().plot(figure="plan").axes[0]
+    places = {text.get_text(): text.get_position() for text in axes.texts if text.get_text()}
+    starts = {round(a.xyann[1], 6) for a in axes.texts if isinstance(a, Annotation)}
+    for name in ("nutation", "axis", "energy"):
+        assert round(places[name][1], 6) in starts

@@ -26,6 +26,7 @@ from geomtorsion.materials.crystals.xyz import xyz_blocks, xyz_frame
 from geomtorsion.materials.fields.contents import guarded
 from geomtorsion.support import checks
 from geomtorsion.support.checks import LARGEST_ARRAYS, cut, file_name, shown
+from geomtorsion.support.file_kinds import other_kinds
 from geomtorsion.support.files import BOUNDS, ending, opened, read_text
 from geomtorsion.support.npz import ArrayForm, mapped_npy, read_npz
 from geomtorsion.support.outgoing import quiet_libraries
@@ -99,11 +100,12 @@ def atom_frames(path: str | PathLike[str], form: str | None = None) -> Iterator[
         ase is not installed.
     """
     file = file_name(path)
-    kind = _form_of(file, form)
     count = 0
-    for data in _frames(file, kind):
-        yield data
-        count += 1
+    with other_kinds(file, "atoms"):
+        kind = _form_of(file, form)
+        for data in _frames(file, kind):
+            yield data
+            count += 1
     if not count:
         raise FileFormatError(f"{file.name}: expected atoms, got none. Is the file complete?")
 

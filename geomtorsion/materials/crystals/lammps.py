@@ -47,7 +47,8 @@ _SIDES = re.compile(r"(?m)^[^#\n]*\b(?:xlo[ \t]+xhi|avec)\b")
 
 def seems_dump(text: str) -> bool:
     """Whether a file begins like a text dump."""
-    return text.lstrip().startswith("ITEM: ")
+    rows = (row for row in text.splitlines() if row.strip() and not row.startswith("#"))
+    return next(rows, "").lstrip().startswith("ITEM: ")
 
 
 def seems_data(text: str) -> bool:
@@ -70,7 +71,13 @@ def dump_blocks(name: str, stream: TextIOBase) -> Iterator[tuple[int, list[str]]
         while not rows[-1].startswith("ITEM: ATOMS") and (row := stream.readline()):
             rows.append(row)
         count, stated = _declared(name, line, rows)
-        rows += _body(name, line + len(rows) - 1, count, stream)
+        rows += (body := _body(name, line + len(rows) - 1, count, stream))
+        comment = next((k for k, row in enumerate(body) if row.lstrip().startswith("#")), None)
+        if comment is not None:
+            raise FileFormatError(
+                f"{name}: line {line + len(rows) - len(body) + comment}: expected an atom, got the "
+                f"comment {shown(body[comment].strip())}. A dump has no comments: remove the line."
+            )
         before = f" after the {count:,} atoms that line {line + stated} declares"
         after = _next_item(name, stream, line + len(rows), before)
         yield line, rows
@@ -82,6 +89,11 @@ def _next_item(name: str, stream: TextIOBase, line: int, before: str) -> tuple[i
     while (row := stream.readline()) and not row.strip():
         line += 1
     if row and not row.startswith("ITEM: "):
+        if row.startswith("#"):
+            raise FileFormatError(
+                f"{name}: line {line}: expected ITEM: TIMESTEP, got the comment "
+                f"{shown(row.strip())}. A dump has no comments: remove the line."
+            )
         remedy = "Correct it" if before else "Name the format of the file: form=... (--read-as)"
         raise FileFormatError(
             f"{name}: line {line}: expected ITEM: TIMESTEP{before}, got {shown(row.strip())}. "

@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from dataclasses import dataclass
+from functools import cache
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -50,6 +52,12 @@ class Field:
     def size(self) -> float:
         """The largest value; rounding errors are proportional to it."""
         return float(np.abs(self.values).max()) if self.scale is None else self.scale
+
+
+@cache
+def _gauss() -> tuple[np.ndarray, np.ndarray]:
+    """Points and weights of Gauss's rule on [-1, 1]."""
+    return np.polynomial.legendre.leggauss(GAUSS)
 
 
 class _Weights:
@@ -139,7 +147,7 @@ def _both(
     The integral omits the mean coframe. collected: receives the weights of the nodes in the sum,
     and in the difference of both orders, if noise is known.
     """
-    x, w = np.polynomial.legendre.leggauss(GAUSS)
+    x, w = _gauss()
     s = ((np.arange(count)[:, None] + (x + 1) / 2) / count).ravel()
     weights = np.tile(w / 2, count) / count
     points, slopes = part.points(arc, s)
@@ -204,12 +212,48 @@ def _sigma(field: Field, axis: int, matrix: csr_array) -> np.ndarray:
 
 def sampled_edges(field: Field, starts: np.ndarray, ends: np.ndarray) -> EdgeIntegrals:
     """The integrals of the interpolated coframe along edges; see SampledFrame.along_edges."""
+    fine, other, coarse, sums, evaluations = _edge_sums(field, starts, ends)
+    errors = np.abs(fine - other).max(axis=1) + np.abs(fine - coarse).max(axis=1)
+    if field.noise is not None:
+        covariance = field.noise.in_a_row().of_sums(sums)
+        variances = np.diagonal(covariance, axis1=1, axis2=2).max(axis=1)
+        errors = np.hypot(errors, np.sqrt(variances))
+    rounding = ROUNDING * np.abs(fine).max(axis=1)
+    return EdgeIntegrals(fine, errors + rounding, evaluations)
+
+
+def sampled_polygons(field: Field, polygons: Sequence[np.ndarray]) -> tuple[np.ndarray, np.ndarray]:
+    """Integrals along many closed polygons at once, (k, rows), and their variances from noise.
+
+    polygons: points of each, the first one also at the end, shape (points, d).
+    """
+    starts = np.concatenate([points[:-1] for points in polygons])
+    ends = np.concatenate([points[1:] for points in polygons])
+    owner = np.repeat(np.arange(len(polygons)), [len(points) - 1 for points in polygons])
+    shape = len(polygons), len(starts)
+    chains = scipy.sparse.csr_array((np.ones(len(owner)), (owner, np.arange(len(owner)))), shape)
+    fine, _, _, sums, _ = _edge_sums(field, starts, ends)
+    vectors = chains @ fine
+    if field.noise is None:
+        return vectors, np.zeros_like(vectors)
+    covariance = field.noise.in_a_row().of_sums([(chains @ weights).tocsr() for weights in sums])
+    return vectors, np.diagonal(covariance, axis1=1, axis2=2)
+
+
+def _edge_sums(
+    field: Field, starts: np.ndarray, ends: np.ndarray
+) -> tuple[np.ndarray, np.ndarray, np.ndarray, list[csr_array], int]:
+    """Integrals along edges, by another order, and with half of the pieces, (edges, rows) each.
+
+    Then the weights of the nodes in the first integrals, (edges, nodes) for each column, which are
+    zero without noise; and the number of points.
+    """
     grid = field.grid
     steps = ends - starts
     crossed = (np.abs(steps) / np.abs(np.array(grid.steps))).sum(axis=1)
     # Two pieces for each crossed cell, as along a loop.
     counts = np.maximum(1, np.ceil(2 * crossed - SLACK).astype(int))
-    nodes, weights = np.polynomial.legendre.leggauss(GAUSS)
+    nodes, weights = _gauss()
     nodes, weights = (nodes + 1) / 2, weights / 2
     flat = field.values.reshape(-1, *grid.shape)
 
@@ -249,10 +293,4 @@ def sampled_edges(field: Field, starts: np.ndarray, ends: np.ndarray) -> EdgeInt
         return parts
 
     (fine, other), (coarse,) = summed(2, True), summed(1, False)
-    errors = np.abs(fine - other).max(axis=1) + np.abs(fine - coarse).max(axis=1)
-    if field.noise is not None:
-        covariance = field.noise.in_a_row().of_sums(sums)
-        variances = np.diagonal(covariance, axis1=1, axis2=2).max(axis=1)
-        errors = np.hypot(errors, np.sqrt(variances))
-    rounding = ROUNDING * np.abs(fine).max(axis=1)
-    return EdgeIntegrals(fine, errors + rounding, 5 * int(counts.sum()) * GAUSS)
+    return fine, other, coarse, sums, 5 * int(counts.sum()) * GAUSS

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from functools import partial
 
 import numpy as np
@@ -10,7 +11,7 @@ from geomtorsion.loops import Cochain, Complex, EdgeIntegrals, Loop, Part
 from geomtorsion.loops.quadrature import ROUNDING
 from geomtorsion.materials.detours import Passages
 from geomtorsion.materials.fields.cells import Circuits, windows_of
-from geomtorsion.materials.fields.circuits import Field, Measured, sampled_edges
+from geomtorsion.materials.fields.circuits import Field, Measured, sampled_edges, sampled_polygons
 from geomtorsion.materials.fields.displacement import Displacement, differences
 from geomtorsion.materials.fields.grid import Grid
 from geomtorsion.materials.fields.sides import on_grid
@@ -174,6 +175,20 @@ def _of_both_ends(values: np.ndarray, axis: int, periodic: bool) -> np.ndarray:
     """Sums of the values at both ends of each edge along an axis, for values (rows, grid...)."""
     both = values + np.roll(values, -1, 1 + axis)
     return both if periodic else np.delete(both, -1, 1 + axis)
+
+
+def polygon_sums(
+    field: Field, displacement: Displacement | None, polygons: Sequence[np.ndarray]
+) -> tuple[np.ndarray, np.ndarray]:
+    """b along closed polygons, and its variances from noise, shape (k, rows) each.
+
+    polygons: points of each, the first one also at the end, shape (points, d).
+    """
+    if displacement is None:
+        return sampled_polygons(field, polygons)
+    loops = [Loop.polygon(points[:-1]) for points in polygons]
+    each = [displaced_burgers(field.grid, displacement, loop) for loop in loops]
+    return np.array([one[0] for one in each]), np.array([np.diag(one[1]) for one in each])
 
 
 def displaced_edges(

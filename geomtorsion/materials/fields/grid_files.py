@@ -34,6 +34,7 @@ from geomtorsion.materials.fields.value_tables import (
     refuse_writing,
 )
 from geomtorsion.support.checks import cut, shown, unmasked
+from geomtorsion.support.file_kinds import naming_other_kinds
 from geomtorsion.support.files import ending
 from geomtorsion.support.hdf5 import HDF5, check_hdf5
 from geomtorsion.support.npz import ArrayForm, read_npz, text_of, write_npz
@@ -62,6 +63,7 @@ MASK = "mask"
 TABLES = (".csv", ".txt", ".dat")
 
 
+@naming_other_kinds("a field")
 def read_grid(path: Path, columns: Mapping[str, int | str] | None = None) -> Contents:
     """Read a sampled frame in the format of the file ending.
 
@@ -78,7 +80,8 @@ def read_grid(path: Path, columns: Mapping[str, int | str] | None = None) -> Con
     .nc: a variable `coframe` or `distortion` with dimensions (row, column, x, y, ...) and a
     coordinate variable for each dimension of the grid.
 
-    .csv, .txt, .dat: see `tables.read_csv`. .vtk, .vtu: see `tables.read_vtk` (extra `files`).
+    .csv, .txt, .dat: see `tables.read_csv`. .vtk, .vtu, .msh, .xdmf, .inp: see
+    `tables.read_vtk` (extra `files`).
     These may also hold a displacement: a table of DICe, VIC or DaVis, or a mesh of finite elements;
     a table also strain and rotation, see `value_tables.read_points`.
 
@@ -110,11 +113,12 @@ def read_grid(path: Path, columns: Mapping[str, int | str] | None = None) -> Con
     return FORMATS[kind].read(path)
 
 
+@naming_other_kinds("a field")
 def read_scattered(path: Path, columns: Mapping[str, int | str] | None = None) -> PointValues:
     """Read a field at scattered points; points on a surface in space are over two of its axes.
 
-    .csv, .txt, .dat: a table, see `value_tables.read_points`. .vtk, .vtu: a mesh of finite
-    elements, see `tables.read_mesh` (extra `files`).
+    .csv, .txt, .dat: a table, see `value_tables.read_points`. .vtk, .vtu, .msh (Gmsh), .xdmf, .inp
+    (Abaqus): a mesh of finite elements, see `tables.read_mesh` (extra `files`).
 
     Raises
     ------
@@ -125,7 +129,7 @@ def read_scattered(path: Path, columns: Mapping[str, int | str] | None = None) -
     """
     if not path.is_file():
         raise FileFormatError(f"{path}: there is no such file.")
-    meshes = (".vtk", ".vtu")
+    meshes = tuple(tables.MESHES)
     if ending(path) not in (*TABLES, *meshes):
         raise FileFormatError(
             f"{path}: expected a name ending in {', '.join((*TABLES, *meshes))}, got "
@@ -422,5 +426,6 @@ FORMATS: dict[str, GridFormat] = {
     **dict.fromkeys((".txt", ".dat"), GridFormat(_table, refuse_writing)),
     ".vtk": GridFormat(tables.read_vtk, tables.write_vtk, (b"# vtk DataFile",)),
     ".vtu": GridFormat(tables.read_vtk, tables.write_vtk),
+    **dict.fromkeys((".msh", ".xdmf", ".xmf", ".inp"), GridFormat(tables.read_vtk, refuse_writing)),
 }  # fmt: skip
 OTHERS = [end for end in FORMATS if end not in (".npz", ".nc", ".cdf", ".netcdf")]

@@ -27,6 +27,7 @@ from geomtorsion.materials.fields.displaced import (
     displaced_cochain,
     displaced_edges,
     displaced_torsion,
+    polygon_sums,
 )
 from geomtorsion.materials.fields.exact_interpolants import interpolant_of
 from geomtorsion.materials.fields.grid import two_axes
@@ -459,10 +460,10 @@ class SampledFrame(Samples):
             loop = ways.loop
         vector, covariance, systematic = self._measured(loop)
         if ways is not None:
-            error = 0.0
-            for hole, times in ways.passages.items():
-                b, spread, _ = self._measured(ways.around[hole])
-                error += times * float(unexplained(np.abs(b), np.diag(spread)).max())
+            rings = list(ways.around.values())
+            b, variances = polygon_sums(self._field, self.displacement, rings)
+            sizes = unexplained(np.abs(b), variances).max(axis=1)
+            error = float(sizes @ [ways.passages[hole] for hole in ways.around])
             a, c = ways.plane
             detour = detour_of(
                 ways.rings,

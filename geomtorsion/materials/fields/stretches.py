@@ -50,13 +50,14 @@ class Detoured:
     """A loop that goes around the holes of a grid.
 
     loop: along the rings of holes. rings: of the layer of the loop. passages: how often the loop
-    passes each hole. around: number of a hole -> the loop along its ring. plane: of the loop.
+    passes each hole. around: number of a hole -> points of its ring, the first one also at the end,
+    shape (k, d). plane: of the loop.
     """
 
     loop: Loop
     rings: Rings
     passages: dict[int, int]
-    around: dict[int, Loop]
+    around: dict[int, np.ndarray]
     plane: tuple[int, int]
 
 
@@ -274,8 +275,8 @@ class _Ways:
         nearest = int(away.argmin())
         return nearest + float(share[nearest]) if away[nearest] < 4 * SLACK else None
 
-    def ring(self, hole: int) -> Loop:
-        """The loop along the ring of a hole."""
+    def ring(self, hole: int) -> np.ndarray:
+        """Points of the ring of a hole, the first one also at the end, shape (k, d)."""
         beside = np.zeros(self.grid.dimension)
         for k, index in enumerate(self.layer):
             if isinstance(index, int):
@@ -283,12 +284,4 @@ class _Ways:
         for k in self.plane:
             beside[k] = self.grid.axes[k][0]
         _, closed = self._corners(hole, beside)
-        points = np.array([self._point(place, beside) for place in closed])
-        size = float(np.ptp(points, axis=0).max())
-        centre = points.mean(axis=0)
-        offsets = (points - centre) / size
-        arcs = [
-            Segment(tuple(a), tuple(b))
-            for a, b in zip(offsets[:-1].tolist(), offsets[1:].tolist(), strict=True)
-        ]
-        return Loop((Part(tuple(centre.tolist()), size, tuple(arcs)),), f"around hole {hole}")
+        return np.array([self._point(place, beside) for place in closed])

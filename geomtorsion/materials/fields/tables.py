@@ -25,14 +25,21 @@ from geomtorsion.materials.fields.point_values import (
     displacement_in,
     nodes_of,
 )
-from geomtorsion.support.checks import cut
+from geomtorsion.support.checks import cut, shown
 from geomtorsion.support.files import BOUNDS, opened, read_text
 from geomtorsion.support.npz import LARGEST_ARRAYS
 from geomtorsion.support.outgoing import one_line, quiet_libraries
 from geomtorsion.support.text_rows import number_table
 
 _COLUMN = re.compile(r"(e|beta|sigma)_([0-9])_([0-9])")
+# Reference of XDMF to an array in HDF5: file:/data set.
+_HEAVY = re.compile(r">\s*([^<>]*?\.(?:h5|hdf5|hdf))\s*:")
 _SAID = re.compile(r"#\s*(unit|vector_unit|source|signature|periodic)\s*:\s*(.*)")
+
+# File ending of a mesh -> module of meshio that reads it.
+MESHES = {
+    ".vtk": "vtk", ".vtu": "vtu", ".msh": "gmsh", ".xdmf": "xdmf", ".xmf": "xdmf", ".inp": "abaqus",
+}  # fmt: skip
 
 
 def holds_coframe(path: Path) -> bool:
@@ -240,8 +247,10 @@ def _places(points: np.ndarray, names: str) -> tuple[list[str], dict[str, np.nda
 def _mesh(path: Path) -> tuple[np.ndarray, dict[str, np.ndarray], dict[str, str]]:
     """Points of a mesh, shape (n, d), its point data by name, and the texts of its field data."""
     meshio = module("meshio", path)
-    xml = path.suffix.lower() == ".vtu"
-    reader = meshio.vtu if xml else meshio.vtk
+    kind = path.suffix.lower()
+    reader = getattr(meshio, MESHES[kind])
+    if MESHES[kind] == "xdmf":
+        _check_heavy(path)
 
     def load() -> tuple[np.ndarray, dict[str, np.ndarray], dict[str, str]]:
         try:
@@ -250,7 +259,7 @@ def _mesh(path: Path) -> tuple[np.ndarray, dict[str, np.ndarray], dict[str, str]
         except Exception as error:  # noqa: BLE001
             # A damaged file makes meshio, and the parser of XML below it, raise many classes.
             raise ValueError(f"{type(error).__name__}: {error}") from None
-        codes = mesh.field_data if xml else _legacy_field(path)
+        codes = _legacy_field(path) if kind == ".vtk" else mesh.field_data
         texts = {
             key: np.asarray(codes[key]).astype(np.uint8).tobytes().decode()
             for key in (*TEXTS, "periodic", "names")
@@ -263,6 +272,16 @@ def _mesh(path: Path) -> tuple[np.ndarray, dict[str, np.ndarray], dict[str, str]
         }, texts  # fmt: skip
 
     return guarded(path, load)
+
+
+def _check_heavy(path: Path) -> None:
+    """Refuse an XDMF file whose arrays are in a file of another folder."""
+    for found in _HEAVY.findall(read_text(path, LARGEST_ARRAYS)):
+        if Path(found).name != found or "\\" in found:
+            raise FileFormatError(
+                f"{path.name}: expected arrays in a file beside it, got {shown(found)}. Copy the "
+                "HDF5 file into the folder and write its name only."
+            )
 
 
 def write_vtk(path: Path, contents: Contents) -> None:

@@ -16,6 +16,7 @@ from geomtorsion.errors import FileFormatError, ImageError, LimitError, MissingE
 from geomtorsion.materials.images.pixels import PixelSize, size_in_tiff, size_of_axes
 from geomtorsion.support import checks
 from geomtorsion.support.checks import cut
+from geomtorsion.support.file_kinds import naming_other_kinds
 from geomtorsion.support.hdf5 import check_hdf5
 from geomtorsion.support.outgoing import quiet_libraries
 
@@ -42,6 +43,7 @@ class Pixels:
     size: PixelSize | None = None
 
 
+@naming_other_kinds("an image")
 def read_pixels(
     path: Path, page: int = 0, most: int | None = None, *, sized: bool = True
 ) -> Pixels:

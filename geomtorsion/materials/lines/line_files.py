@@ -26,12 +26,14 @@ from geomtorsion.materials.lines.polylines import Polyline
 from geomtorsion.materials.lines.reactions import Vector
 from geomtorsion.support import checks
 from geomtorsion.support.checks import file_name
+from geomtorsion.support.file_kinds import naming_other_kinds
 from geomtorsion.support.files import conforming, ending, read_json_text, read_text
 
 FORMAT = {"format": "geomtorsion dislocation lines", "version": 1}
 _FRACTION = re.compile(r"(-?[0-9]{1,30})/([1-9][0-9]{0,29})")
 
 
+@naming_other_kinds("lines")
 def read_lines(
     path: str | PathLike[str], periodic: bool = True
 ) -> tuple[LineArrays, list[tuple[Number, ...]] | None]:

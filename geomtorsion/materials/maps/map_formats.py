@@ -18,6 +18,7 @@ from geomtorsion.materials.maps.map_tables import (
     read_map_table,
     seems_table,
 )
+from geomtorsion.support.file_kinds import naming_other_kinds
 from geomtorsion.support.files import ending
 from geomtorsion.support.hdf5 import HDF5
 
@@ -65,6 +66,7 @@ FORMATS: dict[str, MapFormat] = {
 TABLES = (".txt", ".csv", ".ang")
 
 
+@naming_other_kinds("a map")
 def read_map_file(
     path: str | Path,
     laue: Mapping[int, str] | None = None,

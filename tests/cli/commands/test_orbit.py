@@ -80,7 +80,7 @@ def test_the_equator_of_an_ellipsoid(file):
     (OSCILLATOR, ["--symmetry", "x"], "reversed"),
     (OSCILLATOR, ["--moments", "1,2"], "moments: expected nothing for a file of equations"),
     (OSCILLATOR, ["--set", "k=2"], "k"),
-    (PENDULUM, ["--section", "v"], "conserved"),
+    (PENDULUM, ["--section", "v"], "constant in --conserved"),
     (ELLIPSOID, ["--near", "r=1"], "--near: expected one of theta, phi, u1, u2"),
     (OSCILLATOR + "extra = 1\n", [], "unknown key 'extra'"),
     ('rates = {x = "v"}\nstart = {x = 1}\n', [], "v"),

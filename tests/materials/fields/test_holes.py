@@ -1,5 +1,7 @@
 """Holes: circuits surround them, their values are ignored, and messages name their nodes."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
@@ -181,3 +183,23 @@ def test_a_masked_frame_of_three_rows_agrees_with_the_exact_one():
     loop = Loop.ellipse([0, 0, 0.5], (0.7, 0.5))
     found = grid.burgers(loop)
     assert np.abs(found.vector - burgers_vector(frame, loop).vector).max() <= found.error < 0.01
+
+
+def test_many_holes_on_a_circuit_count_once_each():
+    """Torsion 1: the error of a detour is the area of the rings, 4 cells around each lone node."""
+    axes = [np.arange(41.0)] * 2
+    x, y = np.meshgrid(*axes, indexing="ij")
+    mask = np.zeros((41, 41), dtype=bool)
+    nodes = [(30, 20), (20, 30), (10, 20), (20, 10), (20, 20)]
+    mask[tuple(np.array(nodes).T)] = True
+    frame = SampledFrame(axes, np.array([[-y, x]]) / 2, mask=mask)
+    # A square through four of the five missing nodes.
+    square = Loop.polygon([[10, 10], [30, 10], [30, 30], [10, 30]])
+    found = frame.burgers(square)
+    assert found.detour is not None
+    assert len(found.detour.nodes) == 4
+    assert found.detour.error == pytest.approx(4 * 4, rel=1e-12)
+    # With noise, the part that noise explains is not counted twice.
+    noisy = replace(frame, sigma=1e3).burgers(square)
+    assert noisy.detour is not None
+    assert noisy.detour.error == 0
