@@ -52,7 +52,7 @@ def grains_of(order: np.ndarray, near: np.ndarray, lattice: PlaneLattice) -> np.
     """
     first = np.repeat(np.arange(len(near)), near.shape[1])
     second = near.ravel()
-    alike = np.abs(np.angle(order[first] / order[second])) < np.pi / 3
+    alike = np.abs(np.angle(order[first] * np.conj(order[second]))) < np.pi / 3
     alike &= (np.abs(order[first]) > 0.5) & (np.abs(order[second]) > 0.5)
     graph = scipy.sparse.csr_array(
         (np.ones(int(alike.sum())), (first[alike], second[alike])), shape=(len(near), len(near))
@@ -75,13 +75,13 @@ def angles_of(
     angle = np.angle(order) / lattice.fold
     first, second = np.repeat(np.arange(len(near)), near.shape[1]), near.ravel()
     same = (grain[first] == grain[second]) & (grain[first] >= 0)
-    same &= np.abs(np.angle(order[first] / order[second])) < np.pi / 3
+    same &= np.abs(np.angle(order[first] * np.conj(order[second]))) < np.pi / 3
     size = (len(near), len(near))
     graph = scipy.sparse.csr_array((np.ones(int(same.sum())), (first[same], second[same])), size)
     for number in range(int(grain.max()) + 1):
         root = int(np.argmax(grain == number))
         atoms, before = scipy.sparse.csgraph.breadth_first_order(graph, root, directed=False)
-        steps = np.angle(order[atoms[1:]] / order[before[atoms[1:]]]) / lattice.fold
+        steps = np.angle(order[atoms[1:]] * np.conj(order[before[atoms[1:]]])) / lattice.fold
         for atom, parent, step in zip(
             atoms[1:].tolist(), before[atoms[1:]].tolist(), steps.tolist(), strict=True
         ):
