@@ -478,6 +478,8 @@ def public_methods() -> list[Case]:
             data=PLACED.opendis()),
         _of("DislocationNetwork.read", gt.DislocationNetwork.read, path=TRIANGLE_FILE,
             periodic=True),
+        _of("Table", gt.Table, places=[0, 1], values=[1, 3]),
+        _of("Table.of", gt.Table.of, rows=[(0, 1), (1, 3)]),
         _of("DislocationSeries", gt.DislocationSeries, times=[0, 1], networks=[PLACED, PLACED]),
         _of("DislocationSeries.read", gt.DislocationSeries.read, source=TRIANGLE_FILE,
             periodic=True, times=[0]),
