@@ -257,10 +257,13 @@ def public_functions() -> list[Case]:
             "ODE", gt.ODE.of, rates={"x": "v", "v": "-k*x"}, start=[1, 0], parameters={"k": 1},
             invariants={"energy": "v**2 + k*x**2"}, outputs={"twice": "2*x"}, time="t",
             events=[gt.At(0.25, {"k": 2}), gt.When("x + 2")], norm_groups=[["x", "v"]],
-            normalized=[], name="spring",
+            normalized=[], name="spring", tables={"F": gt.Table.of([(0, 1), (1, 3)])},
         ),
         _of("At", _switched, time=0.25, changes={"k": 2}),
-        _of("When", _stopped, falls="x + 2"),
+        _of("When", _stopped, falls="x + 2", changes={}),
+        _of(
+            "Table", gt.Table.of, rows=[(0, 1), (1, 3)], interpolation="linear", outside="refuse",
+        ),
         _public(
             "Taylor", precision=53, max_steps=1000
         ),
@@ -594,9 +597,9 @@ def _switched(time: Any, changes: Any) -> Any:
     return gt.ODE.of({"x": "-k*x"}, [1], parameters={"k": 1}, events=[gt.At(time, changes)])
 
 
-def _stopped(falls: Any) -> Any:
+def _stopped(falls: Any, changes: Any) -> Any:
     """An equation that ends where an expression falls through zero."""
-    return gt.ODE.of({"x": "-x"}, [1], events=[gt.When(falls)])
+    return gt.ODE.of({"x": "-x"}, [1], events=[gt.When(falls, changes)])
 
 
 def _metric_at(a: Any, b: Any) -> Any:

@@ -66,6 +66,10 @@ def read(
     }
     listed = list(events)
     conditions = [event for event in listed if isinstance(event, When)]
+    for event in conditions:
+        checks.instance(
+            event.changes, Mapping, "When", ExpressionError, expected="changes {name: value}"
+        )
     changing = [event for event in conditions if event.changes]
     stops = tuple(
         expression(event.falls, "stop", symbols, functions=functions)
