@@ -15,7 +15,7 @@ from geomtorsion.errors import ExpressionError, FileFormatError
 from geomtorsion.ode.pieces import ends, joined
 from geomtorsion.ode.terms import expression
 from geomtorsion.support import checks
-from geomtorsion.support.caching import cached_property
+from geomtorsion.support.caching import cached_property, read_only
 from geomtorsion.support.copies import content_hash, equal_content, only_fields
 from geomtorsion.support.files import read_text
 
@@ -74,27 +74,36 @@ class Table:
         >>> Table.of([(0, 1), (1, 3)], "linear")(sp.Rational(1, 2))
         2
         """
-        checks.choice(interpolation, INTERPOLATIONS, "interpolation", ExpressionError)
-        checks.choice(outside, OUTSIDE, "outside", ExpressionError)
         if isinstance(rows, str | PathLike):
             rows = _rows_of(Path(rows))
         array = checks.array(rows, "table", ExpressionError)
-        if array.ndim != 2 or array.shape[1] != 2 or len(array) < 2:
+        if array.ndim != 2 or array.shape[1] != 2:
             raise ExpressionError(
                 f"table: expected at least two rows (place, value), got shape {array.shape}. Give "
                 "two numbers in each row."
             )
-        bad = np.flatnonzero(np.diff(array[:, 0]) <= 0)
+        return cls(array[:, 0], array[:, 1], interpolation, outside)
+
+    def __post_init__(self) -> None:
+        """Check the rows and the names once."""
+        checks.choice(self.interpolation, INTERPOLATIONS, "interpolation", ExpressionError)
+        checks.choice(self.outside, OUTSIDE, "outside", ExpressionError)
+        places = checks.array(self.places, "places", ExpressionError, shape=(None,))
+        values = checks.array(self.values, "values", ExpressionError, shape=(None,))
+        if len(places) < 2 or len(places) != len(values):
+            raise ExpressionError(
+                f"table: expected at least two rows (place, value), got {len(places)} places and "
+                f"{len(values)} values. Give one value for each place."
+            )
+        bad = np.flatnonzero(np.diff(places) <= 0)
         if len(bad):
             k = int(bad[0])
             raise ExpressionError(
-                f"table: expected increasing places, got {array[k, 0]:.9g} before "
-                f"{array[k + 1, 0]:.9g} in row {k + 2}. Sort the rows, and keep one of each place."
+                f"table: expected increasing places, got {places[k]:.9g} before "
+                f"{places[k + 1]:.9g} in row {k + 2}. Sort the rows, and keep one of each place."
             )
-        places, values = (np.array(column) for column in array.T)
-        for column in (places, values):
-            column.flags.writeable = False
-        return cls(places, values, interpolation, outside)
+        object.__setattr__(self, "places", read_only(places.copy()))
+        object.__setattr__(self, "values", read_only(values.copy()))
 
     def __eq__(self, other: object) -> bool:
         return equal_content(self, other)
