@@ -102,10 +102,10 @@ class Forced:
 
     @property
     def unknown(self) -> str:
-        """A function in the forces that has no values, such as of pieces or a table; or nothing."""
+        """Name of a function in the forces that has no values: pieces or a table; or nothing."""
         terms = (x.sympy for x in self.acceleration)
-        parts = {part for term in terms for part in term.atoms(AppliedUndef)}
-        return min(map(str, parts), default="")
+        names = {str(part.func) for term in terms for part in term.atoms(AppliedUndef)}
+        return min(names, default="")
 
     @property
     def text(self) -> str:

@@ -460,8 +460,8 @@ class CurveProblem:
         """Refuse forces in pieces, a start beyond an edge, and find the first chart."""
         if isinstance(self.law, Forced) and self.law.unknown:
             raise ExpressionError(
-                f"force: expected an expression with values, got {self.law.unknown}. Give it to "
-                "to_ode(tables=...), which takes pieces and tables, and solve the result."
+                f"force: expected an expression with values, got the function {self.law.unknown}. "
+                "Solve curve.to_ode(tables=...), which takes pieces(...) and tables."
             )
         if self.start is None:
             self._check_stops({})
