@@ -47,13 +47,7 @@ from geomtorsion.gravity.theories import (
 from geomtorsion.gravity.theory_files import read_theory
 from geomtorsion.gravity.translations import Translation, translations
 from geomtorsion.gravity.two_forms import kalb_ramond
-from geomtorsion.same import (
-    IntegratedSymmetry,
-    Symmetries,
-    killing_equations,
-    killing_yano,
-    symmetries,
-)
+from geomtorsion.same import killing_equations, killing_yano, symmetries
 
 __all__ = [
     "Charge",
@@ -62,7 +56,6 @@ __all__ = [
     "Family",
     "FieldEquations",
     "Horizon",
-    "IntegratedSymmetry",
     "Invariant",
     "Lagrangian",
     "Model",
@@ -72,7 +65,6 @@ __all__ = [
     "Shooting",
     "Slice",
     "Star",
-    "Symmetries",
     "Translation",
     "charge",
     "constraints",

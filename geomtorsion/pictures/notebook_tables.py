@@ -26,8 +26,7 @@ if TYPE_CHECKING:
         Torsion,
     )
     from geomtorsion.geometry.notation import ComponentTable
-    from geomtorsion.gravity import Symmetries
-    from geomtorsion.same import Equivalence
+    from geomtorsion.same import Equivalence, Symmetries
     from geomtorsion.spaces import Space
 
 

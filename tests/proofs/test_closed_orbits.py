@@ -206,7 +206,7 @@ def test_light_on_a_sphere_around_kerrs_hole():
         # It turns where 125/12 = cos^2 (9/sin^2 - 1/4).
         assert (height * (9 / (1 - height) - arb(1) / 4)).overlaps(arb(125) / 12)
         big, sine = arb(25) / 4 + height / 4, (1 - height).sqrt()
-        spin = (arb(3) / 2 / big.sqrt() * orbit["u1"] * sine**2 / 2
+        spin = ((arb(3) / 2).sqrt() / big.sqrt() * orbit["u1"] * sine**2 / 2
                 + arb(13) / 2 * sine / big.sqrt() * orbit["u4"])  # fmt: skip
         assert spin.overlaps(arb(3))
     assert orbit.stability == "saddle"

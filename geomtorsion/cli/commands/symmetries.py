@@ -15,7 +15,7 @@ from geomtorsion.cli.terminal import working
 from geomtorsion.cli.theories import Over, connection_of
 from geomtorsion.errors import ArgumentError
 from geomtorsion.geometry import HolonomyAlgebra
-from geomtorsion.gravity import Symmetries
+from geomtorsion.same import Symmetries
 
 
 class Keep(StrEnum):

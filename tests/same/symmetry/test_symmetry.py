@@ -6,8 +6,8 @@ import sympy as sp
 from hypothesis import HealthCheck, given, settings
 
 import geomtorsion as gt
-from geomtorsion import gravity
 from geomtorsion.errors import GeomtorsionError
+from geomtorsion.same import IntegratedSymmetry
 from tests.laws.frames import frames
 
 t, x, y, z, r, theta, phi = sp.symbols("t x y z r theta phi", positive=True)
@@ -192,7 +192,7 @@ def test_an_integrated_conformal_vector() -> None:
     found = gt.symmetries(frame, "conformal")
     assert (found.dimension, len(found.closed_form)) == (10, 6)
     one = found.vectors[-1]
-    assert isinstance(one, gravity.IntegratedSymmetry)
+    assert isinstance(one, IntegratedSymmetry)
     names = [q.name for q in frame.coordinates]
     start = np.array([0.4, 1.1, 0.3])
     h = 1e-3
@@ -233,7 +233,7 @@ def test_integrated_vectors() -> None:
     assert found.algebra.name == "e(2)"
     points = [complex(1, 0.2), complex(0.8, 0.5), complex(1.1, 0.7), complex(2, 1)]
     for one in found.vectors[1:]:
-        assert isinstance(one, gravity.IntegratedSymmetry)
+        assert isinstance(one, IntegratedSymmetry)
         rows, right, largest = [], [], 0.0
         for w in points:
             vector, error = one.with_error({"u": w.real, "v": w.imag})
@@ -253,7 +253,7 @@ def test_an_integrated_vector_with_parameters() -> None:
     k = sp.Symbol("k", positive=True)
     frame = gt.Frame([u, v], sp.eye(2) * 5 * k * (u**2 + v**2) ** 2)
     one = gt.symmetries(frame).vectors[1]
-    assert isinstance(one, gravity.IntegratedSymmetry)
+    assert isinstance(one, IntegratedSymmetry)
     place = {"u": 1, "v": 0.5}
     # A constant factor changes no symmetry.
     assert np.allclose(one.at(place | {"k": 1}), one.at(place | {"k": 3}), rtol=1e-8)
@@ -264,7 +264,7 @@ def test_an_integrated_vector_with_parameters() -> None:
     fold = sp.sqrt(1 + sp.Symbol("k", real=True) * x_of_w**2)
     folded = gt.Frame([u, v], sp.eye(2) * 5 * (u**2 + v**2) ** 2 * fold)
     shift = gt.symmetries(folded).vectors[0]
-    assert isinstance(shift, gravity.IntegratedSymmetry)
+    assert isinstance(shift, IntegratedSymmetry)
     assert np.isfinite(shift.at(place | {"k": 1})).all()
     with pytest.raises(GeomtorsionError, match="frame.subs"):
         shift.at(place | {"k": 0})
