@@ -499,8 +499,9 @@ class Taylor:
                 record = _Record(integrator, grid[0])
                 step |= {"callback": record, "write_tc": True}
                 most = 0 if optimised is None else LONG * self._at_once
-                integrator.propagate_until(reached, max_steps=most, **step)
-                if optimised is not None and integrator.time != reached:
+                out = integrator.propagate_until(reached, max_steps=most, **step)
+                # An edge may end the steps before the time that was reached.
+                if optimised is not None and _code(out) == "step_limit":
                     step.pop("callback")
                     faster().propagate_until(reached, callback=record, **step)
             return Run(
@@ -550,7 +551,7 @@ class Taylor:
         while True:
             check_limits()
             out = integrator.propagate_grid(rest, max_steps=at_once, **step)
-            code = str(getattr(out[0], "name", "event"))
+            code = _code(out)
             steps += out[3]
             # The reported largest step does not include the last one, which ends with the grid.
             longest = max(longest, abs(float(out[2])), abs(float(integrator.last_h)))
@@ -586,6 +587,11 @@ class Taylor:
                 integrator = faster()
             before = integrator.time
             rest = np.concatenate(([before], grid[done:]))
+
+
+def _code(out: Sequence[Any]) -> str:
+    """How heyoka's steps ended; "event" for one of ours."""
+    return str(getattr(out[0], "name", "event"))
 
 
 def _room(system: System, numbers: Sequence[float], integrator: Any) -> float:
