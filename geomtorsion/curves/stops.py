@@ -64,7 +64,7 @@ def read_stops(
     for k, entry in enumerate(entries):
         where = "stop" if len(entries) == 1 else f"stop[{k}]"
         term = entry.falls if isinstance(entry, When) else entry
-        read = expression(term, where, table)
+        read = expression(term, where, table, smooth=False)
         check_smooth([read], [where])
         moving = {table[name] for name in (*coordinates, *velocities)}
         if not read.free_symbols & moving:

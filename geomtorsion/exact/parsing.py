@@ -287,6 +287,8 @@ class _Reader:
             self._fail(node, f"{name} has no argument", f"Write what it depends on: {name}(r).")
         if not isinstance(declared, sympy.core.function.UndefinedFunction):
             self._bound(node, too_large(name, arguments, self.limits.argument))
+            if len(arguments) not in declared.nargs:
+                self._fail(node, f"{name} does not take {len(arguments)} arguments")
         return declared(*arguments)
 
     def _derivative(self, node: Node, name: str) -> Any:

@@ -148,7 +148,8 @@ def run_members(
     left = np.arange(number)
     while True:
         until = members.until
-        final = until is None or sign * until >= sign * end
+        # A motion backwards never comes to a change at a later time.
+        final = until is None or not sign * members.begin <= sign * until < sign * end
         stop = end if final or until is None else until
         inside = sign * grid >= sign * members.begin
         if not final:

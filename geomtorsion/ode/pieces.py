@@ -17,6 +17,9 @@ from geomtorsion.errors import ExpressionError
 # (pieces, number of the branch that holds).
 Choice: TypeAlias = Callable[["pieces"], int]
 
+# Expressions that Max and Min compare: pieces of pieces double with each.
+MOST_COMPARED = 6
+
 
 class pieces(sp.Function):  # written as functions of sympy are
     """Expression by pieces: pieces(x, f0, c1, f1, c2, f2, ...), with increasing levels c1, c2, ...
@@ -146,6 +149,12 @@ def without_kinks(expr: sp.Expr) -> sp.Expr:
     if isinstance(expr, sp.Heaviside):
         return _merged(args[0], sp.S.Zero, sp.S.One)
     if isinstance(expr, sp.Max | sp.Min):
+        if len(args) > MOST_COMPARED:
+            name = type(expr).__name__
+            raise ExpressionError(
+                f"{name}: expected at most {MOST_COMPARED} expressions, got {len(args)}. Each pair "
+                "is compared; write the largest of them by pieces(...)."
+            )
         first, *others = args
         for other in others:
             below, above = (other, first) if isinstance(expr, sp.Max) else (first, other)

@@ -23,6 +23,7 @@ from geomtorsion.ode.trajectory import MOST_STAGES, Event, Stage, State
 from geomtorsion.support.caching import cached_property
 from geomtorsion.support.precision import HALF, working_precision
 
+BACKWARDS = "it changes there, and changes act forwards in time only"
 # A stage, or the outcome of a motion with its reason.
 Next: TypeAlias = Stage | tuple[str, str]
 
@@ -113,6 +114,9 @@ class Stages:
         if after is not None:
             follow = _Following(partial(self._later, position))
             events.append(Event(after, follow.then, follow.ending))
+        knots = [at for at, k in self.own.times(position.parameters) if position.above[k]]
+        if knots:
+            events.append(Event(knots[-1], None, lambda _time, _state: ("stuck", BACKWARDS)))
         groups = rates.system.groups[:-1] if rates.has_clock else rates.system.groups
         return Stage(
             "", rates.system, states, values, position.time, tuple(events), groups=groups,
@@ -174,7 +178,7 @@ class Stages:
     def _after(self, mode: Mode, begin: Position, rates: Rates, time: float, state: State) -> Next:
         """The stage behind a guard that has fallen, or the end of the motion."""
         if float(time) < begin.moment:
-            return "stuck", "conditions with changes act forwards in time only"
+            return "stuck", BACKWARDS
         states = list(state[: len(self.rates.states)])
         position = replace(begin, time=time, states=states)
         if not np.isfinite(floats(states)).all():

@@ -92,8 +92,8 @@ class Table:
         values = checks.array(self.values, "values", ExpressionError, shape=(None,))
         if len(places) < 2 or len(places) != len(values):
             raise ExpressionError(
-                f"table: expected at least two rows (place, value), got {len(places)} places and "
-                f"{len(values)} values. Give one value for each place."
+                f"table: expected at least two rows (place, value), got places of shape "
+                f"{places.shape} and values of shape {values.shape}. Give one value for each place."
             )
         bad = np.flatnonzero(np.diff(places) <= 0)
         if len(bad):

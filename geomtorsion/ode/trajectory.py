@@ -65,7 +65,7 @@ class Stage:
     start, parameters: numbers in the order of the states and parameters of the system; arrays in
         double precision.
     begin: the time at which it begins.
-    events: at most one at a time, and at most one of the guard.
+    events: at most one at a time in each direction, and at most one of the guard.
     groups: indices of states that are measured together.
     kept: a state where the stage is cut -> the state with lengths of one restored, or None.
     changes: how often conditions or pieces have changed the motion before it.
@@ -94,10 +94,11 @@ class Stage:
         """Sizes of the states of the system at the beginning."""
         return extents_of(self.system, self.start, self.parameters)
 
-    @cached_property
-    def timed(self) -> Event | None:
-        """The event at a time."""
-        return next((event for event in self.events if event.when is not None), None)
+    def timed(self, sign: float) -> Event | None:
+        """The next event at a time, of a motion forwards (1) or backwards (-1)."""
+        begin = float(self.begin)
+        timed = ((x.when, x) for x in self.events if x.when is not None)
+        return next((x for at, x in timed if (at > begin) == (sign > 0)), None)
 
     @cached_property
     def boundary(self) -> Event | None:
@@ -304,7 +305,7 @@ def integrate(
         if run.outcome == "done":
             if stop is None:
                 return Trajectory(engine, tolerance, tuple(segments), "done")
-            event = stage.timed
+            event = stage.timed(sign)
             if event is None or event.when != stop:
                 last = run.last if stage.kept is None else stage.kept(run.last)
                 stage = replace(stage, start=last, begin=stop)
@@ -335,10 +336,9 @@ def integrate(
 
 def _next_break(stage: Stage, cuts: Sequence[float], sign: float, end: float) -> float | None:
     """The next time before the end at which a run has to be ended."""
-    timed = stage.timed
-    breaks = [] if timed is None or timed.when is None else [timed.when]
-    breaks += cuts[:1]
-    before = [at for at in breaks if sign * at < sign * end]
+    event = stage.timed(sign)
+    breaks = [cuts[0] if cuts else None, None if event is None else event.when]
+    before = [at for at in breaks if at is not None and sign * at < sign * end]
     return min(before, key=lambda at: sign * at) if before else None
 
 

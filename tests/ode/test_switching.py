@@ -338,6 +338,16 @@ ENDLESS = {
         lambda: gt.solve(ball().with_start(parameters={"e": 0}), 1.0), "rests on z = 0",
     ),
     "backwards through a bounce": (lambda: gt.solve(ball(), -1.0), "forwards"),
+    "backwards through a step in time": (
+        lambda: gt.solve(gt.ODE.of({"x": "Heaviside(t + 1)"}, [0]), -2.0), "forwards",
+    ),
+    "backwards through a row of a table": (
+        lambda: gt.solve(
+            gt.ODE.of({"x": "F(t)"}, [0], tables={"F": gt.Table.of([(-3, 0), (0, 2), (1, 3)])}),
+            -2.0,
+        ),
+        "forwards",
+    ),
 }  # fmt: skip
 
 
@@ -348,6 +358,16 @@ def test_what_the_equations_do_not_describe_is_refused_with_the_reason(name):
     with pytest.raises(StuckError, match=words) as error:
         call()
     assert len(error.value.solution.times) >= 0
+
+
+@pytest.mark.parametrize("engine", [None, gt.RungeKutta()])
+def test_a_change_at_a_later_time_does_not_touch_a_motion_backwards(engine):
+    """x' = k, with k = 2 from t = 1 on: x(-2) = -2, also as a member of many."""
+    step = gt.ODE.of({"x": "k"}, [0], parameters={"k": 1}, events=[gt.At(1, {"k": 2})])
+    back = gt.solve(step, [-0.5, -2.0], engine=engine)
+    assert back["x"].tolist() == pytest.approx([-0.5, -2.0], rel=1e-12)
+    many = gt.solve_many(step, [[0], [1]], [-0.5, -2.0], engine=engine)
+    assert many["x"] == pytest.approx(np.array([[-0.5, -2.0], [0.5, -1.0]]), rel=1e-12)
 
 
 def test_the_accumulation_of_bounces_is_reported_at_its_time():
@@ -388,6 +408,13 @@ REFUSED = {
     ),
     "a table of two arguments": (
         lambda: gt.ODE.of({"x": "F(x, 1)"}, [0], tables=F), ExpressionError, "one argument",
+    ),
+    "sign of two numbers": (
+        lambda: gt.ODE.of({"x": "sign(1, 2)"}, [0]), ExpressionError, "does not take 2 arguments",
+    ),
+    "the largest of 14": (
+        lambda: gt.ODE.of({"x": f"max({', '.join(f'{k}*t' for k in range(14))})"}, [0]),
+        ExpressionError, "Max: expected at most 6 expressions, got 14",
     ),
     "a missing piece": (
         lambda: gt.ODE.of({"x": "pieces(x, 1, 2)"}, [0]), ExpressionError, "each further piece",

@@ -157,7 +157,7 @@ def star(
     >>> import geomtorsion as gt
     >>> matter = gt.gravity.polytropes(100, [2])
     >>> gt.gravity.star(matter, pressure=100 * 1.28e-3**2)
-    star of polytrope with exponent 2: mass 1.4001597, radius 9.5856239, k2 0.0738907
+    star of polytrope with exponent 2: mass 1.4001..., radius 9.5856..., k2 0.0738...
     """
     structure = structure_of(source)
     return star_of(structure, structure.matter.eta_of(pressure, density), start, parameters, near,

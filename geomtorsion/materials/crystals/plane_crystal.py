@@ -465,7 +465,9 @@ def plane_of(
     sizes = np.ptp(places, axis=0)
     k = int(sizes.argmin())
     others = [axis for axis in range(3) if axis != k]
-    distance = float(np.sqrt(np.prod(sizes[others]) / len(places)))
+    # The middle of the atoms decides, so that single ones far away do not.
+    low, high = np.quantile(places[:, others], (0.1, 0.9), axis=0)
+    distance = float(np.sqrt(np.prod((high - low) / 0.8) / len(places)))
     if not sizes[k] < distance / 10:
         return None
     if cell is None:

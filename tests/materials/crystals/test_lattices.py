@@ -191,13 +191,27 @@ GRAPHENE = np.concatenate([
         (GRAPHENE, [9.84, 8.52, 20], OPEN),
         (GRAPHENE, None, OPEN),
         (GRAPHENE[:, [2, 0, 1]] + 7, [20, 9.84, 8.52], (False, True, True)),
+    ],
+    ids=["sheet", "open", "no cell", "turned"],
+)
+def test_a_sheet_is_a_plane_crystal(places, cell, periodic):
+    """Graphene is a honeycomb with a = 2.46 and no dislocation, whatever is periodic."""
+    sheet = Crystal(places, cell, periodic)
+    assert sheet.lattice == "honeycomb"
+    assert sheet.constant == pytest.approx(2.46, rel=1e-3)
+    assert not sheet.dislocations()
+
+
+@pytest.mark.parametrize(
+    ("places", "cell", "periodic"),
+    [
         (np.arange(90).reshape(30, 3) * [1.0, 0, 0], [90, 9, 9], (True, False, False)),
         (np.ones((30, 3)), None, OPEN),
     ],
-    ids=["sheet", "open", "no cell", "turned", "line", "point"],
+    ids=["line", "point"],
 )
-def test_a_sheet_is_refused(places, cell, periodic):
-    """Atoms in one plane are refused, whatever is periodic."""
+def test_a_line_or_a_point_is_refused(places, cell, periodic):
+    """Atoms on a line or at one place have no lattice."""
     with pytest.raises(CrystalError, match="in one plane or on one line"):
         _ = Crystal(places, cell, periodic).lattice
 

@@ -212,7 +212,7 @@ def test_broken_files_are_refused(tmp_path, wavy):
     with pytest.raises(FileFormatError, match="no such file"):
         SampledFrame.read(tmp_path / "nothing.npz")
     (tmp_path / "grid.txt").write_text("1 2 3")
-    with pytest.raises(FileFormatError, match="or save arrays as .npz"):
+    with pytest.raises(FileFormatError, match="expected a row of names such as x, y, u, v"):
         SampledFrame.read(tmp_path / "grid.txt")
     for junk in (b"", b"CDF\x01", b"CDF\x01" + b"\xff" * 60, b"nonsense"):
         (tmp_path / "bad.nc").write_bytes(junk)

@@ -67,7 +67,8 @@ def test_three_lines_at_a_node_and_an_end_at_a_surface(tmp_path: Path):
 @pytest.mark.parametrize(
     ("old", "new", "message"),
     [
-        ("CA_FILE_VERSION 6", "ITEM: TIMESTEP", "line 1: expected CA_FILE_VERSION, got 'ITEM"),
+        ("CA_FILE_VERSION 6", "ITEM: TIMESTEP", "holds lines, got a LAMMPS dump. Read it by"),
+        ("CA_FILE_VERSION 6", "VERSION 6", "line 1: expected CA_FILE_VERSION, got 'VERSION"),
         ("CA_FILE_VERSION 6", "CA_FILE_VERSION 4", "line 1: expected version 5 or 6 .*, got '4'"),
         ("DISLOCATIONS 2", "DISLOCATIONS 3", "dislocation 2"),
         ("DISLOCATIONS 2", "DISLOCATIONS 99999999999", "line 17.: .*whole number below"),

@@ -145,7 +145,8 @@ BAD = {
     "nothing.ang": ([], "line 1: expected a header .* got no header"),
     "symmetry.ang": (ang(symmetry="99"), 'line 4: .*laue={1: "m-3m"}'),
     "unknown.ang": (ang(phase=2), r"line 14: expected a phase .* \(1 \(Nickel\)\) .* got 2"),
-    "map.xyz": (ctf(), "to end in one of .ctf, .ang.* got '.xyz'"),
+    "map.xyz": (ctf(), "Read it by OrientationMap.read with the ending .ctf"),
+    "map.foo": (["1 2 3"], "to end in one of .ctf, .ang.* got '.foo'"),
 }  # fmt: skip
 
 

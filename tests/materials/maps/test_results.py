@@ -62,5 +62,5 @@ def test_conventions():
 
 
 def test_repr():
-    """The repr has one line: the vector, its noise, grain and phase."""
-    assert "crystal axes, noise 0.0e+00, grain 0, nickel" in repr(wall())
+    """The repr has one line: the vector, its grain and phase."""
+    assert "um in crystal axes, grain 0, nickel" in repr(wall())
