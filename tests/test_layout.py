@@ -62,9 +62,9 @@ FLOORS = BELOW_THE_WALL + ABOVE_THE_WALL
 NEIGHBOURS: dict[tuple[str, str], str] = {
     ("gravity", "materials"): "constraints and field equations of frames on a grid",
 }
-# Folders within a package, lowest floor first; folders on one floor do not import each other. Files
+# Folders within a package, lowest layer first; folders in one layer do not import each other. Files
 # directly in the package are in the folder "."; its __init__ may import all.
-INNER_FLOORS: dict[str, tuple[tuple[str, ...], ...]] = {
+INNER_LAYERS: dict[str, tuple[tuple[str, ...], ...]] = {
     "gravity": (
         ("initial_data", "numeric", "reduced", "states"),
         ("theory",),
@@ -169,21 +169,21 @@ def upward(own: str, imported: str) -> bool:
     return floor_of(imported) >= floor_of(own)
 
 
-def inner_floor(file: str) -> tuple[str, int]:
-    """The folder of a file in a package with inner floors, and the number of its floor."""
+def inner_layer(file: str) -> tuple[str, int]:
+    """The folder of a file in a package with inner layers, and the number of its layer."""
     package, *folders, _ = file.split("/")
     folder = folders[0] if folders else "."
-    for number, names in enumerate(INNER_FLOORS[package]):
+    for number, names in enumerate(INNER_LAYERS[package]):
         if folder in names:
             return folder, number
-    raise AssertionError(f"{file} is in no folder of INNER_FLOORS; move it, or add its folder")
+    raise AssertionError(f"{file} is in no folder of INNER_LAYERS; move it, or add its folder")
 
 
 def inner_upward(own: str, imported: str) -> bool:
-    """Whether an import within a package points to a higher floor, or to a neighbour."""
-    folder, floor = inner_floor(own)
-    other, above = inner_floor(imported)
-    return folder != other and above >= floor
+    """Whether an import within a package points to a higher layer, or to a neighbour."""
+    folder, layer = inner_layer(own)
+    other, above = inner_layer(imported)
+    return folder != other and above >= layer
 
 
 def test_there_is_something_to_check():
@@ -203,16 +203,16 @@ def test_no_arrow_points_up():
     assert not wrong
 
 
-@pytest.mark.parametrize("package", INNER_FLOORS)
+@pytest.mark.parametrize("package", INNER_LAYERS)
 def test_no_arrow_points_up_within_a_package(package: str):
-    """A file imports only from its own folder and from folders on lower floors of its package."""
+    """A file imports only from its own folder and from folders in lower layers of its package."""
     start = f"{package}/__init__.py"
     inner = {
         file: [one for one in others if one.startswith(f"{package}/") and one != start]
         for file, others in file_imports().items()
         if file.startswith(f"{package}/") and file != start
     }
-    assert {inner_floor(file)[0] for file in inner} == {*chain(*INNER_FLOORS[package])}
+    assert {inner_layer(file)[0] for file in inner} == {*chain(*INNER_LAYERS[package])}
     assert not [
         f"{file} imports {other}"
         for file, others in inner.items()
@@ -231,8 +231,8 @@ def test_an_upward_arrow_would_be_found():
     assert inner_upward("gravity/stars/star.py", "gravity/motion/solving.py")
     assert inner_upward("prices/motions.py", "prices/effects/sensitivity.py")
     assert not inner_upward("gravity/motion/solving.py", "gravity/theory/lagrangian.py")
-    with pytest.raises(AssertionError, match="is in no folder of INNER_FLOORS"):
-        inner_floor("gravity/lagrangian.py")
+    with pytest.raises(AssertionError, match="is in no folder of INNER_LAYERS"):
+        inner_layer("gravity/lagrangian.py")
     text = 'import_module("geomtorsion.spaces"), import_module(f"geomtorsion.pictures.{name}")'
     assert list(named_modules(ast.parse(text))) == [("spaces",), ("pictures",)]
     with pytest.raises(AssertionError, match="is not in FLOORS"):
