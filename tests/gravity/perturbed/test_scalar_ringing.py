@@ -199,7 +199,7 @@ def test_a_first_mode_without_mass_that_the_coarse_grids_miss(
 def test_a_less_damped_wave_that_does_not_settle(
     monkeypatch: pytest.MonkeyPatch, false: complex
 ) -> None:
-    """A rough frequency that is lost on finer grids does not justify returning the others."""
+    """A rough frequency that is lost on finer grids is no reason to return the others."""
     found = frequencies.rough
     monkeypatch.setattr(frequencies, "rough", lambda radial: [false, *found(radial)])
     with pytest.raises(AccuracyError, match="did not settle"):
@@ -207,7 +207,7 @@ def test_a_less_damped_wave_that_does_not_settle(
 
 
 def test_a_less_damped_wave_that_stalls(monkeypatch: pytest.MonkeyPatch) -> None:
-    """The first mode, with changes that do not decrease, does not justify returning its overtone."""
+    """The first mode, with changes that do not decrease, is no reason to return its overtone."""
     refine = frequencies.Candidate.refine
 
     def noisy(one: frequencies.Candidate, matrices: object) -> None:
