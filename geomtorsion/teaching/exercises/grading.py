@@ -16,10 +16,11 @@ from geomtorsion.errors import ArgumentError, FileFormatError, GeomtorsionError
 from geomtorsion.support import checks
 from geomtorsion.support.files import read_json_text, read_text, read_toml, written
 from geomtorsion.support.outgoing import csv_cell
+from geomtorsion.teaching.exercises.chapter_folder import Chapter, load_folder
 from geomtorsion.teaching.exercises.examiner import SECONDS, Examiner
 from geomtorsion.teaching.exercises.examiner import reply as checked
 from geomtorsion.teaching.exercises.limits import MOST
-from geomtorsion.teaching.exercises.registry import load, names
+from geomtorsion.teaching.exercises.registry import Own, load, names
 from geomtorsion.teaching.exercises.worker_pool import Json
 
 # Keys of a file.
@@ -43,8 +44,8 @@ class Submission:
     outside: tuple[str, ...] = ()
 
 
-def read_submission(path: str | PathLike[str]) -> Submission:
-    """Read a file of answers.
+def read_submission(path: str | PathLike[str], chapter: Own = None) -> Submission:
+    """Read a file of answers. chapter: the folder of a teacher's chapter.
 
     Keys
     ----
@@ -91,7 +92,7 @@ def read_submission(path: str | PathLike[str]) -> Submission:
             'and below it "1.1" = "...".'
         )
     flat = _flat(table)
-    listed = set(names())
+    listed = set(names(chapter))
     unknown = tuple(key[:60] for key in flat if key not in listed)
     answers = {key: value for key, value in flat.items() if key in listed}
     outside = tuple(key[:60] for key in _flat(data) if key not in KEYS)
@@ -232,6 +233,7 @@ def grade(
     seed: int | None = None,
     seconds: float = SECONDS,
     progress: Callable[[int, int, str], object] = lambda *_: None,
+    chapter: Own = None,
 ) -> Marks:
     """Grade every TOML file of a folder; write the table after each.
 
@@ -248,6 +250,8 @@ def grade(
         time limit for the answers to one exercise.
     progress
         is called with (files done, files in all, file).
+    chapter
+        the folder of a teacher's chapter, whose exercises are graded as well; see `load_folder`.
 
     Returns
     -------
@@ -275,10 +279,12 @@ def grade(
             "numbers: expected at least one exercise that counts, got none. Name one, or omit "
             "numbers: then all exercises with an answer from any student count."
         )
+    # Opened once: the same content for every student.
+    own = None if chapter is None else load_folder(chapter)
     for number in listed or ():
-        load(number)
+        load(number, chapter=own)
     with Examiner(seconds, f"{__name__}:reply") as examiner:
-        return _graded(files, Path(output), listed, seed, examiner, progress)
+        return _graded(files, Path(output), listed, seed, examiner, progress, own)
 
 
 def _graded(
@@ -288,13 +294,14 @@ def _graded(
     seed: int | None,
     examiner: Examiner,
     progress: Callable[[int, int, str], object],
+    chapter: Chapter | None,
 ) -> Marks:
     """The marks of files that an examiner reads and checks; see `grade`."""
-    read = {path: _read(path, examiner) for path in files}
-    exercises = _occurring(read.values()) if numbers is None else numbers
+    read = {path: _read(path, examiner, chapter) for path in files}
+    exercises = _occurring(read.values(), chapter) if numbers is None else numbers
     chosen = ASKED_FOR if numbers is not None else OCCURRING
     counted = f"{' '.join(exercises) or 'none'} ({chosen})"
-    task = _Task(exercises, seed, counted, _namesakes(read), examiner.seconds)
+    task = _Task(exercises, seed, counted, _namesakes(read), examiner.seconds, chapter)
     before = _rows_of(table, exercises)
     rows: list[Mapping[str, str]] = []
     kept = 0
@@ -323,6 +330,7 @@ class _Task:
     """The task: the exercises, the requested seed, their texts in the table, and duplicates.
 
     namesakes: file -> other files of the same student. seconds: for the answers to one exercise.
+    chapter: of the teacher, besides the shipped ones.
     """
 
     numbers: tuple[str, ...]
@@ -330,6 +338,7 @@ class _Task:
     counted: str
     namesakes: Mapping[Path, tuple[str, ...]]
     seconds: float
+    chapter: Chapter | None
 
     def fingerprint(self, path: Path) -> str:
         """Hash of the file, the task and its time limit."""
@@ -340,6 +349,8 @@ class _Task:
             content = b""
         others = ",".join(self.namesakes.get(path, ()))
         task = f"{path.name}|{self.counted}|{self.seed}|{others}|{self.seconds}|"
+        # Marks of an earlier text of the chapter are not reused.
+        task += self.chapter.digest if self.chapter else ""
         return hashlib.sha256(task.encode("utf-8", "surrogateescape") + content).hexdigest()[:16]
 
 
@@ -357,12 +368,13 @@ def _namesakes(read: Mapping[Path, Submission | str]) -> dict[Path, tuple[str, .
     }
 
 
-def _read(path: Path, examiner: Examiner) -> Submission | str:
+def _read(path: Path, examiner: Examiner, chapter: Chapter | None) -> Submission | str:
     """The answers in a file, or the reason why it cannot be read, from the examiner's process.
 
     A file that takes too much time or memory costs only its own student marks.
     """
-    data = examiner.ask({"path": str(path)}, SECONDS)
+    own = {"chapter": chapter.folder} if chapter else {}
+    data = examiner.ask({"path": str(path)} | own, SECONDS)
     if isinstance(data, str):
         return f"{path.name} could not be read: {data}. Write the file again."
     if "refused" in data:
@@ -375,13 +387,15 @@ def _read(path: Path, examiner: Examiner) -> Submission | str:
 
 def reply(request: Json) -> Json:
     """Reply of the examiner's process: the content of a file, or the result of a check."""
-    return submission_data(request["path"]) if "path" in request else checked(request)
+    if "path" not in request:
+        return checked(request)
+    return submission_data(request["path"], request.get("chapter"))
 
 
-def submission_data(path: str) -> Json:
+def submission_data(path: str, chapter: Own = None) -> Json:
     """The answers in a file as JSON, or the reason for refusing it under "refused"."""
     try:
-        submission = read_submission(path)
+        submission = read_submission(path, chapter)
     except GeomtorsionError as error:
         return {"refused": str(error)}
     # A date that was written without quotes is not an answer, but can be shown.
@@ -389,17 +403,17 @@ def submission_data(path: str) -> Json:
     return {**vars(submission), "answers": answers}
 
 
-def _occurring(read: Iterable[Submission | str]) -> tuple[str, ...]:
+def _occurring(read: Iterable[Submission | str], chapter: Own) -> tuple[str, ...]:
     """The exercises that occur in any file, in order."""
     keys = {number for one in read if isinstance(one, Submission) for number in one.answers}
-    return tuple(number for number in names() if number in keys)
+    return tuple(number for number in names(chapter) if number in keys)
 
 
 def _mark(
     path: Path, read: Submission | str, task: _Task, examiner: Examiner, fingerprint: str
 ) -> Mark:
     """The marks of one file."""
-    worth = sum(q.points for n in task.numbers for q in load(n).questions)
+    worth = sum(q.points for n in task.numbers for q in load(n, chapter=task.chapter).questions)
     refused = Mark(
         file=path.name, student=path.stem, seed=0, earned=0.0, at_most=worth, points=worth,
         status=REFUSED, counted=task.counted, fingerprint=fingerprint,
@@ -415,14 +429,14 @@ def _mark(
     remarks = [f"no exercise {key!r}: it is not counted." for key in read.unknown]
     remarks += [f"{key!r} is outside of [answers]: it is not read." for key in read.outside]
     # A key that concerns the file only, such as a date, needs nobody's attention.
-    unseen = bool(read.unknown) or any(key in names() for key in read.outside)
+    unseen = bool(read.unknown) or any(key in names(task.chapter) for key in read.outside)
     answered = asked = unread = 0
     most = 0.0
     for number in task.numbers:
-        asked += len(load(number, seed).questions)
+        asked += len(load(number, seed, chapter=task.chapter).questions)
         if number not in read.answers:
             continue
-        verdict = examiner.check(number, read.answers[number], seed)
+        verdict = examiner.check(number, read.answers[number], seed, chapter=task.chapter)
         parts[number] = round(verdict.earned, 3)
         codes_of = [(q.name, q.diagnosis) for q in verdict.questions]
         answered += sum(code != "empty" for _, code in codes_of)
