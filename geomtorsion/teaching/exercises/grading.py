@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import csv
 import hashlib
 import json
 import os
@@ -14,12 +13,13 @@ from typing import Any
 
 from geomtorsion.errors import ArgumentError, FileFormatError, GeomtorsionError
 from geomtorsion.support import checks
-from geomtorsion.support.files import read_json_text, read_text, read_toml, written
+from geomtorsion.support.files import read_toml
 from geomtorsion.support.outgoing import csv_cell
 from geomtorsion.teaching.exercises.chapter_folder import Chapter, load_folder
 from geomtorsion.teaching.exercises.examiner import SECONDS, Examiner
 from geomtorsion.teaching.exercises.examiner import reply as checked
 from geomtorsion.teaching.exercises.limits import MOST
+from geomtorsion.teaching.exercises.mark_table import rows_of, write
 from geomtorsion.teaching.exercises.registry import Own, load, names
 from geomtorsion.teaching.exercises.worker_pool import Json
 
@@ -119,13 +119,8 @@ def _flat(table: Mapping[str, object]) -> dict[str, object]:
 
 
 GRADED, PARTLY, TWICE, REFUSED = "graded", "partly", "given twice", "not graded"
-HEAD = (
-    "file", "student", "seed", "earned", "at_most", "points", "percent", "percent_at_most",
-    "answered", "unread", "counted", "status",
-)  # fmt: skip
 # Exercises that count by default: those that occur in any file.
 ASKED_FOR, OCCURRING = "as requested", "all that any student answered"
-TAIL = ("diagnoses", "remarks", "fingerprint")
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -302,7 +297,7 @@ def _graded(
     chosen = ASKED_FOR if numbers is not None else OCCURRING
     counted = f"{' '.join(exercises) or 'none'} ({chosen})"
     task = _Task(exercises, seed, counted, _namesakes(read), examiner.seconds, chapter)
-    before = _rows_of(table, exercises)
+    before = rows_of(table, exercises)
     rows: list[Mapping[str, str]] = []
     kept = 0
     try:
@@ -315,12 +310,12 @@ def _graded(
             rows.append(mark)
             # Written after each student, so that an interruption costs at most one.
             if old is None:
-                _write(table, rows, exercises, chosen)
+                write(table, rows, exercises, chosen)
     finally:
         # Rows of an earlier run that this run has not reached stay in the table.
         later = [task.fingerprint(path) for path in files[len(rows) :]]
         rest = [before[key] for key in later if key in before]
-        _write(table, [*rows, *rest], exercises, chosen)
+        write(table, [*rows, *rest], exercises, chosen)
     progress(len(files), len(files), "")
     return Marks(tuple(rows), exercises, kept, chosen)
 
@@ -457,58 +452,3 @@ def _mark(
         at_most=round(most, 3), status=status, answered=f"{answered} of {asked}",
         unread=unread, parts=parts, diagnoses="; ".join(codes), remarks=" ".join(remarks),
     )  # fmt: skip
-
-
-def _rows_of(table: Path, numbers: Sequence[str]) -> dict[str, Mapping[str, str]]:
-    """Fingerprint -> row of a table that an earlier run wrote; nothing if it is another table."""
-    if not table.exists():
-        return {}
-    head = [*HEAD, *numbers, *TAIL]
-    try:
-        if table.suffix == ".json":
-            data = read_json_text(read_text(table), table.name)
-            entries = data["rows"] if isinstance(data, dict) else []
-            rows = [{str(key): _as_text(key, x) for key, x in row.items()} for row in entries]
-        else:
-            with table.open(encoding="utf-8-sig", newline="") as file:
-                rows = list(csv.DictReader(file))
-    except (OSError, UnicodeDecodeError, csv.Error, GeomtorsionError, KeyError, TypeError,
-            AttributeError):  # fmt: skip
-        return {}
-    return {row["fingerprint"]: row for row in rows if list(row) == head and row["fingerprint"]}
-
-
-def _as_values(row: Mapping[str, str], numbers: Sequence[str]) -> dict[str, object]:
-    """A row with its numbers as numbers."""
-    floats = ("earned", "at_most", "percent", "percent_at_most", *numbers)
-    kinds = dict.fromkeys(floats, float) | dict.fromkeys(("seed", "points", "unread"), int)
-    return {key: kinds.get(key, str)(text) for key, text in row.items()}
-
-
-def _as_text(key: str, value: object) -> str:
-    """A value of a row in the form of the table."""
-    if isinstance(value, float):
-        return f"{value:.1f}" if key.startswith("percent") else f"{value:g}"
-    return str(value)
-
-
-def _write(
-    table: Path, rows: Sequence[Mapping[str, str]], numbers: Sequence[str], chosen: str
-) -> None:
-    """Write the table to a temporary file and rename it: it is never half a table."""
-    with (
-        written(table.parent, is_folder=True),
-        written(table) as aside,
-        aside.open("w", encoding="utf-8", newline="") as file,
-    ):
-        if table.suffix == ".json":
-            whole = {
-                "counted": list(numbers),
-                "chosen": chosen,
-                "rows": [_as_values(row, numbers) for row in rows],
-            }
-            json.dump(whole, file, indent=1, ensure_ascii=False)
-        else:
-            writer = csv.DictWriter(file, [*HEAD, *numbers, *TAIL], lineterminator="\n")
-            writer.writeheader()
-            writer.writerows(rows)

@@ -342,7 +342,7 @@ class _Asked:
         path = (*self.path, "quantity")
         name, frame = self.table["quantity"], self.frame
         if frame is None or "coframe" not in self.exercise.table:
-            self._fail(("quantity",), "expected a coframe of the exercise, got none. Write "
+            return self._fail(("quantity",), "expected a coframe of the exercise, got none. Write "
                        'coordinates = ["r", "phi"] and coframe = [[1, 0], [0, "r"]] below '
                        f"[{self.exercise.name}], or an answer instead of a quantity.")  # fmt: skip
         return self.exercise.guarded(path, lambda: frame.quantity(name))

@@ -16,8 +16,10 @@ from urllib.parse import SplitResult, urlsplit
 
 from geomtorsion.errors import LimitError, MissingExtraError
 from geomtorsion.pictures.formula import font_face
+from geomtorsion.teaching.exercises.chapter_folder import load_folder
+from geomtorsion.teaching.exercises.registry import Own
 from geomtorsion.teaching.exercises.worker_pool import Json
-from geomtorsion.teaching.lab.localized import App, Receive, Scope, Send, localized
+from geomtorsion.teaching.lab.localized import App, Receive, Scope, Send, localized, with_chapter
 from geomtorsion.teaching.lab.notebook_path import without_path
 from geomtorsion.teaching.lab.settings import PAGE
 from geomtorsion.teaching.lab.tasks import common_runner
@@ -400,8 +402,15 @@ def lan_address() -> str:
             return socket.gethostname()
 
 
-def application(address: Address, sessions: int = PAGE.sessions, language: str = ENGLISH) -> Any:
+def application(
+    address: Address,
+    sessions: int = PAGE.sessions,
+    language: str = ENGLISH,
+    chapter: str = "",
+) -> Any:
     """The page in a language as an ASGI application, behind its access control.
+
+    chapter: the folder of a teacher's chapter, or "".
 
     Raises
     ------
@@ -433,7 +442,8 @@ def application(address: Address, sessions: int = PAGE.sessions, language: str =
         for manager in managers:
             await manager.shutdown()
 
-    return AccessControl(localized(inner, language), hosts, sessions, ending, notebook=page)
+    inner = with_chapter(localized(inner, language), chapter)
+    return AccessControl(inner, hosts, sessions, ending, notebook=page)
 
 
 def serve(
@@ -441,8 +451,12 @@ def serve(
     ready: Callable[[str], object] = lambda _: None,
     sessions: int = PAGE.sessions,
     language: str = ENGLISH,
+    chapter: Own = None,
 ) -> None:
     """Serve until interrupted; `ready` is called with the address when the port is open.
+
+    chapter: the folder of a teacher's chapter, shown with the shipped ones; see
+    `exercises.load_folder`.
 
     Raises
     ------
@@ -450,9 +464,13 @@ def serve(
         The port is taken, or the host is not an address of this machine.
     MissingExtraError
         marimo is not installed.
+    FileFormatError
+        The folder of the chapter has a mistake; the message names the file and the line.
     """
     address = address.guarded()
-    app = application(address, sessions, language)
+    # Mistakes are reported to the teacher before a student opens the page.
+    folder = "" if chapter is None else load_folder(chapter).folder
+    app = application(address, sessions, language, folder)
     # uvicorn comes with marimo, and a missing marimo has already raised an error.
     import uvicorn
 
