@@ -387,8 +387,11 @@ def _entry(file: TomlFile, path: Keys, value: object) -> Entry:
             if match[0] == "@":
                 start = text[match.start() : match.start() + 20]
                 file.fail(path, f"{name}: expected a placeholder, got {start!r}. {_FORM}")
-        # Each placeholder counts as a letter, in braces because a command may stand before it.
-        if wrong := fault(_MARK.sub(lambda match: "{x}" if match[1] else "@", text)):
+        # A placeholder counts as letters in braces, because a command may stand before it.
+        letters = {mark: f"{{{mark.replace('_', '')}}}" for mark in placeholders(text)}
+        if wrong := fault(with_values(text, letters)):
+            for mark, word in letters.items():
+                wrong = wrong.replace(word, f"@{{{mark}}}")
             file.fail(path, f"{name}: expected LaTeX between dollar signs, but {wrong}. {_LATEX}")
     joined = tuple(_joined(text) for text in several)
     return joined if isinstance(value, list) else joined[0]
