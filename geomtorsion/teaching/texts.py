@@ -48,7 +48,7 @@ Keys = tuple[str | int, ...]
 # A placeholder, the sign @ itself, or an @ that is neither.
 _MARK = re.compile(r"@(?:\{([a-z][a-z0-9_]*)\}|(@))?")
 QUOTES = "Put a text with backslashes between ''' and '''."
-_LATEX = "Mend the formula; commands that the page knows are those of LaTeX and amsmath."
+_LATEX = "Correct the formula; the page knows the commands of LaTeX and amsmath."
 _FORM = "Write a placeholder as @{name}, with small letters, digits and _, and the sign @ as @@."
 
 
@@ -421,7 +421,7 @@ def _entry(file: TomlFile, path: Keys, value: object) -> Entry:
             if match[0] == "@":
                 start = text[match.start() : match.start() + 20]
                 file.fail(path, f"{name}: expected a placeholder, got {start!r}. {_FORM}")
-        # A placeholder counts as letters in braces, because a command may stand before it.
+        # A placeholder counts as letters in braces, because a command may precede it.
         letters = {mark: f"{{{mark.replace('_', '')}}}" for mark in placeholders(text)}
         if wrong := fault(with_values(text, letters)):
             for mark, word in letters.items():

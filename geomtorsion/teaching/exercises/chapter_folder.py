@@ -4,14 +4,14 @@ from __future__ import annotations
 
 import hashlib
 import runpy
-from collections.abc import Callable, Mapping
+from collections.abc import Callable
 from dataclasses import dataclass, replace
 from functools import lru_cache, partial
 from os import PathLike
 from pathlib import Path
 from traceback import walk_tb
 from types import FunctionType
-from typing import Any, TypeVar
+from typing import TypeVar
 
 from geomtorsion.errors import FileFormatError, GeomtorsionError, UnknownNameError
 from geomtorsion.support import checks
@@ -21,13 +21,14 @@ from geomtorsion.teaching.exercises.draw import Draw
 from geomtorsion.teaching.exercises.exercise import Exercise, Variant
 from geomtorsion.teaching.exercises.limits import MOST
 from geomtorsion.teaching.exercises.question import KINDS, Question
-from geomtorsion.teaching.exercises.written import Written, level
+from geomtorsion.teaching.exercises.shipped import CHAPTERS
+from geomtorsion.teaching.exercises.written import Table, Written, level
 from geomtorsion.teaching.texts import ENGLISH, QUOTES, Language, Texts, language_name, own_texts
 
 TEXTS, PROGRAM = "chapter.toml", "chapter.py"
 KEYS = ("number", "title")
-# The shipped chapters have the numbers below.
-FIRST = 8
+# The first number that no shipped chapter has.
+FIRST = len(CHAPTERS) + 1
 Folder = str | PathLike[str]
 Result = TypeVar("Result")
 
@@ -150,7 +151,7 @@ class Chapter:
         return hashlib.sha256("\0".join(self.content).encode()).hexdigest()
 
     @cached_property
-    def functions(self) -> dict[str, Callable[..., Any]]:
+    def functions(self) -> dict[str, FunctionType]:
         """The functions of chapter.py, which this runs once.
 
         Raises
@@ -288,7 +289,7 @@ class Programmed:
 
     chapter: Chapter
     name: str
-    table: Mapping[str, Any]
+    table: Table
     text: Texts
 
     @classmethod

@@ -1,4 +1,4 @@
-"""registry: the list of chapters and exercises, and their lazy loading."""
+"""registry: chapters and exercises by number, loaded on first use."""
 
 from __future__ import annotations
 
@@ -14,6 +14,7 @@ from geomtorsion.teaching.exercises.chapter_folder import Chapter, Folder, load_
 from geomtorsion.teaching.exercises.draw import Draw
 from geomtorsion.teaching.exercises.exercise import Exercise
 from geomtorsion.teaching.exercises.limits import MOST
+from geomtorsion.teaching.exercises.shipped import CHAPTERS, EXERCISES
 from geomtorsion.teaching.texts import ENGLISH, Language, Texts, language_name, texts
 
 if TYPE_CHECKING:
@@ -21,54 +22,6 @@ if TYPE_CHECKING:
 
 # The chapter of a teacher, besides the shipped ones.
 Own = Chapter | Folder | None
-# number, package of its exercises and file of their texts
-_CHAPTERS: tuple[tuple[str, str], ...] = (
-    ("1", "frames"),
-    ("2", "torsion"),
-    ("3", "curvature"),
-    ("4", "straightest"),
-    ("5", "closure"),
-    ("6", "principle"),
-    ("7", "cost"),
-)
-# number, module of this package, level
-EXERCISES: tuple[tuple[str, str, str], ...] = (
-    ("1.1", "frames.legs", "warm-up"),
-    ("1.2", "frames.metric", "exercise"),
-    ("1.3", "frames.anholonomy", "exercise"),
-    ("1.4", "frames.body_rates", "exercise"),
-    ("2.1", "torsion.one_coefficient", "warm-up"),
-    ("2.2", "torsion.cartan_connection", "exercise"),
-    ("2.3", "torsion.in_coordinates", "exercise"),
-    ("2.4", "torsion.in_the_frame", "exercise"),
-    ("3.1", "curvature.flat_or_not", "warm-up"),
-    ("3.2", "curvature.christoffel", "warm-up"),
-    ("3.3", "curvature.surface", "exercise"),
-    ("3.4", "curvature.group_ricci", "exercise"),
-    ("3.5", "curvature.disguise", "exercise"),
-    ("4.1", "straightest.spiral", "warm-up"),
-    ("4.2", "straightest.force", "exercise"),
-    ("4.3", "straightest.equations", "exercise"),
-    ("4.4", "straightest.compass", "exercise"),
-    ("4.5", "straightest.constraint", "exercise"),
-    ("5.1", "closure.small_loop", "warm-up"),
-    ("5.2", "closure.circle", "exercise"),
-    ("5.3", "closure.rotations", "exercise"),
-    ("5.4", "closure.dislocation", "exercise"),
-    ("5.5", "closure.frank", "exercise"),
-    ("5.6", "closure.screw_atoms", "exercise"),
-    ("5.7", "closure.half_plane", "warm-up"),
-    ("6.1", "principle.euler", "warm-up"),
-    ("6.2", "principle.moment", "exercise"),
-    ("6.3", "principle.variation", "exercise"),
-    ("6.4", "principle.symmetric_top", "exercise"),
-    ("6.5", "principle.carried", "exercise"),
-    ("6.6", "principle.helix_or_line", "project"),
-    ("7.1", "cost.digits", "warm-up"),
-    ("7.2", "cost.sums", "exercise"),
-    ("7.3", "cost.growth", "exercise"),
-    ("7.4", "cost.states", "warm-up"),
-)
 
 
 def names(chapter: Own = None) -> tuple[str, ...]:
@@ -114,12 +67,12 @@ def chapters(language: Language = ENGLISH, chapter: Own = None) -> dict[str, str
     """
     language = language_name(language)
     own = {} if chapter is None else {(last := load_folder(chapter)).number: last.title}
-    return {number: texts(name, "", language)("title") for number, name in _CHAPTERS} | own
+    return {number: texts(name, "", language)("title") for number, name in CHAPTERS} | own
 
 
 def chapter_of(number: str, language: Language = ENGLISH) -> str:
     """Title of the chapter of an exercise."""
-    return texts(dict(_CHAPTERS)[number.partition(".")[0]], "", language_name(language))("title")
+    return texts(dict(CHAPTERS)[number.partition(".")[0]], "", language_name(language))("title")
 
 
 def _texts(module: str, language: str) -> Texts:

@@ -4,11 +4,12 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
-from math import prod
-from typing import Any
+from typing import Any, NoReturn, TypeVar
+
+import sympy
 
 from geomtorsion.errors import GeomtorsionError
-from geomtorsion.geometry import Frame
+from geomtorsion.geometry import Frame, Tensor
 from geomtorsion.pictures.latex import latex_text
 from geomtorsion.support.checks import shown
 from geomtorsion.support.files import TomlFile
@@ -32,9 +33,9 @@ QUESTION_KEYS = (
 )  # fmt: skip
 MISTAKE_KEYS = ("answer", "message")
 SYMMETRIES = ("antisymmetric", "symmetric")
-# Variants that are made to find the mistakes of a file, so that each value of a list of this length
-# is tried.
-VARIANTS = 6
+# A table of a file.
+Table = Mapping[str, Any]
+Result = TypeVar("Result")
 # Slots of a tensor as marks of a question.
 _MARKS = str.maketrans("dDuU", "__^^")
 
@@ -48,7 +49,7 @@ class Written:
 
     file: TomlFile
     name: str
-    table: Mapping[str, Any]
+    table: Table
     text: Texts
 
     @classmethod
@@ -121,8 +122,9 @@ class Written:
         FileFormatError
             As for `variant`, or a mistake equals the answer.
         """
-        count = prod(map(len, self.table.get("values", {}).values()))
-        variants = [self.variant(Draw(seed)) for seed in range(min(count, VARIANTS))]
+        # So many seeds select each value of each list.
+        count = max(map(len, self.table.get("values", {}).values()), default=1)
+        variants = [self.variant(Draw(seed)) for seed in range(count)]
         for name in self.questions:
             asked = [next(q for q in made.questions if q.name == name) for made in variants]
             if "quantity" in self.table[name]:
@@ -143,7 +145,7 @@ class Written:
         inner = _Reader(self.file, (self.name, "values"), table)
         return {key: str(draw.choice(inner.options(key))) for key in table}
 
-    def _read(self, path: Keys, where: str, text: str, domain: Domain) -> Any:
+    def _read(self, path: Keys, where: str, text: str, domain: Domain) -> sympy.Expr:
         """A value as an expression over the coordinates."""
         question = Question(where, "expression", "", lambda: 0, domain)
         return self.guarded(path, lambda: expression(question, text, where))
@@ -181,7 +183,7 @@ class Written:
         known = _known(self.file, path, value, values)
         return with_values(value, {name: f"({text})" for name, text in known.items()})
 
-    def guarded(self, path: Keys, call: Callable[[], Any]) -> Any:
+    def guarded(self, path: Keys, call: Callable[[], Result]) -> Result:
         """The result of a call; an error of the library names the line of a key."""
         try:
             return call()
@@ -189,7 +191,7 @@ class Written:
             self.file.fail(path, str(error))
 
 
-def level(file: TomlFile, name: str, table: Mapping[str, Any]) -> str:
+def level(file: TomlFile, name: str, table: Table) -> str:
     """Level of an exercise."""
     word = _Reader(file, (name,), table).take("level", str, "exercise")
     if word not in LEVELS:
@@ -284,7 +286,7 @@ class _Asked:
         return (self.exercise.name, self.name)
 
     @property
-    def table(self) -> Mapping[str, Any]:
+    def table(self) -> Table:
         return self.exercise.table[self.name]
 
     def question(self) -> Question:
@@ -337,12 +339,12 @@ class _Asked:
             **more,
         )
 
-    def _tensor(self) -> Any:
+    def _tensor(self) -> Tensor:
         """The quantity of the frame that is the answer."""
         path = (*self.path, "quantity")
         name, frame = self.table["quantity"], self.frame
         if frame is None or "coframe" not in self.exercise.table:
-            return self._fail(("quantity",), "expected a coframe of the exercise, got none. Write "
+            self._fail(("quantity",), "expected a coframe of the exercise, got none. Write "
                        'coordinates = ["r", "phi"] and coframe = [[1, 0], [0, "r"]] below '
                        f"[{self.exercise.name}], or an answer instead of a quantity.")  # fmt: skip
         return self.exercise.guarded(path, lambda: frame.quantity(name))
@@ -378,7 +380,7 @@ class _Asked:
             for place, entry in enumerate(self.table.get("mistakes", []))
         )
 
-    def _fail(self, keys: Keys, message: str) -> Any:
+    def _fail(self, keys: Keys, message: str) -> NoReturn:
         self.exercise.file.fail((*self.path, *keys), message)
 
 
@@ -388,14 +390,14 @@ class _Reader:
 
     file: TomlFile
     path: Keys
-    table: Mapping[str, Any]
+    table: Table
 
     @property
     def name(self) -> str:
         """Name of the table."""
         return ".".join(map(str, self.path))
 
-    def missing(self, key: str, reason: str = "") -> None:
+    def missing(self, key: str, reason: str = "") -> NoReturn:
         """Refuse a table without a key."""
         why = f", {reason}" if reason else ""
         self.file.fail(self.path, f"{self.name}: expected the key {key}{why}, got none. Write it.")
@@ -452,7 +454,7 @@ class _Reader:
                               f"{self.name}.{key}: unknown word {shown(value)}")  # fmt: skip
         return value
 
-    def _wrong(self, key: str, expected: str) -> None:
+    def _wrong(self, key: str, expected: str) -> NoReturn:
         value = self.table[key]
         self.file.fail(
             (*self.path, key),

@@ -133,7 +133,7 @@ def test_copies_are_equal(folder):
     assert changed.load("8.1").questions[0].prompt == "What is the area?"
 
 
-# What is written instead of a part of PLAIN, and the words of the refusal; its line is checked.
+# A part of PLAIN, its replacement, and words of the refusal.
 REFUSED = {
     "no title": ("title = 'The area of a circle'\n", "", "expected the key title, got none"),
     "no statement": ("statement = 'A circle has the radius $r$.'\n", "", "the key statement"),

@@ -65,7 +65,7 @@ def tasks(
     language: Language = ENGLISH,
     chapter: Own = None,
 ) -> tuple[Task, ...]:
-    """Exercises in their variants; all exercises by default, or those of a teacher's chapter.
+    """Exercises in their variants; by default all, or with a chapter its exercises.
 
     Raises
     ------
