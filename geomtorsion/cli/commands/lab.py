@@ -13,8 +13,9 @@ from geomtorsion.cli.options import ChapterFolder, Language, option
 from geomtorsion.cli.terminal import shows_greek, working
 from geomtorsion.errors import UnknownNameError
 from geomtorsion.support import checks
+from geomtorsion.teaching.lab.address import Address
 from geomtorsion.teaching.lab.export import write_pages
-from geomtorsion.teaching.lab.server import Address, serve
+from geomtorsion.teaching.lab.server import serve
 from geomtorsion.teaching.texts import ENGLISH, languages
 
 
