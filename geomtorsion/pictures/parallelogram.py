@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -23,13 +23,15 @@ if TYPE_CHECKING:
     from geomtorsion.geometry.connections import ConnectionLike
     from geomtorsion.ode.numbers import Numbers, Real
 
+    Start = Numbers | Mapping[str, Real]
+
 # Points of each side: between the ends of the step, which has length one in its parameter.
 SIDE = np.linspace(0.0, 1.0, 61)
 
 
 def draw_parallelogram(
     connection: ConnectionLike,
-    start: Numbers | Mapping[Any, Real],
+    start: Start,
     first: Numbers,
     second: Numbers,
     *,
@@ -103,7 +105,11 @@ def draw_parallelogram(
 
 
 def _way(
-    connection: Connection, start: Any, first: Numbers, second: Numbers, values: dict[str, Any]
+    connection: Connection,
+    start: Start,
+    first: Numbers,
+    second: Numbers,
+    values: Mapping[str, float],
 ) -> tuple[np.ndarray, np.ndarray, float]:
     """Points of both sides, shape (m, n), the first velocity in coordinates, and the error."""
     along = autoparallel(connection, start, frame_velocity=first, parameters=values)
@@ -125,8 +131,7 @@ def _draw(axes: Axes, blue: np.ndarray, orange: np.ndarray, gap: np.ndarray) -> 
     if not gap.any():
         return
     if len(gap) > 2:
-        space: Any = axes
-        space.quiver(*blue[-1], *gap, color=IMAGE, linewidth=2.4, arrow_length_ratio=0.16)
+        axes.quiver(*blue[-1], *gap, color=IMAGE, linewidth=2.4, arrow_length_ratio=0.16)
     else:
         arrow(axes, blue[-1], orange[-1], IMAGE, 2.4)
 
