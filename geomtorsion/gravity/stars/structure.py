@@ -14,6 +14,7 @@ from geomtorsion.geometry import Frame, levi_civita
 from geomtorsion.gravity.equations import FieldEquations, equations
 from geomtorsion.gravity.fluids import Fluid
 from geomtorsion.gravity.reduction import Reduction
+from geomtorsion.gravity.residuals import names_of_inner
 from geomtorsion.gravity.stars import first_order
 from geomtorsion.gravity.stars.equation_of_state import ETA, EquationOfState
 from geomtorsion.gravity.stars.first_order import SIZE, R
@@ -61,7 +62,8 @@ class Structure:
                 f"got the coordinates {', '.join(map(str, frame.coordinates))}. Write the "
                 "frame with this radius."
             )
-        return cls(source.reduce("r"), matter[0], _mass(frame), False)
+        reduction = source.reduce("r", names_of_inner(source.inner, "r"))
+        return cls(reduction, matter[0], _mass(frame), False)
 
     @cached_property
     def background(self) -> Structure:
