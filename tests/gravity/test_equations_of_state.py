@@ -163,8 +163,8 @@ def test_a_neutron_star_by_another_integration() -> None:
 def test_published_matter(sly: g.Family) -> None:
     """SLy: the numbers of the fit in table III of Read et al., Phys. Rev. D 79, 124032 (2009).
 
-    M_max = 2.049 and R_1.4 = 11.736 km are of the tabulated matter; those of the fit differ from
-    them by 0.02 % and -0.21 %.
+    The tabulated matter has M_max = 2.049 and R_1.4 = 11.736 km. The fit differs from
+    these numbers by 0.02 % and -0.21 %.
     """
     heaviest, usual = sly.heaviest, sly.at_mass(1.4)
     # Constants of 2009 differ from ours by up to a thousandth.
@@ -216,7 +216,7 @@ def test_a_table_has_the_stars_of_its_matter(interpolation: str, tmp_path: Path)
     assert far.matter.name == "soft"
 
 
-def test_units_are_those_of_the_numbers_only() -> None:
+def test_units_belong_to_the_numbers_only() -> None:
     """The same star of published matter in each unit; unknown units are refused."""
     usual = g.star("SLy", density=1e15)
     for units in ("si", "mev", "geometric"):

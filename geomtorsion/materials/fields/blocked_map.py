@@ -223,7 +223,7 @@ class BlockMap:
             curl, difference, sigmas = torsion(field, self.plane)
             return np.concatenate([curl, sigmas, difference.max(axis=0)[None]])
         # A block does not contain the whole ring of each hole.
-        blocks = circuits(field, self.plane, self.size, detours=False)
+        blocks = circuits(field, self.plane, self.size)
         vectors, errors = blocks.vectors, blocks.estimate()
         sigmas = np.zeros(vectors.shape)
         for i, row in enumerate(sigmas):

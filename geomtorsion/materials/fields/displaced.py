@@ -100,13 +100,17 @@ def _along(
 
 
 def displaced_circuits(
-    grid: Grid, displacement: Displacement, plane: tuple[int, int], size: tuple[int, int]
+    grid: Grid,
+    displacement: Displacement,
+    plane: tuple[int, int],
+    size: tuple[int, int],
+    rings: Rings | None,
 ) -> Circuits:
     """b of all circuits of a size, as in `cells.circuits`."""
     lines, passages = windows_of(grid, plane, size), None
     edges = displacement.times[plane[0]], displacement.times[plane[1]]
-    if grid.has_holes:
-        passages = Passages(Rings.of(grid.holes, plane, grid.periodic), lines)
+    if rings is not None:
+        passages = Passages(rings, lines)
         edges = passages.rings.filled(edges)
     times = lines.rounds(*lines.along(*edges))
     vectors = 0.0 - displacement.jumps.sums(times)
