@@ -66,7 +66,7 @@ def parse_expression(
         Whether decimal numbers are read, as the fractions that they are written as: 0.1 is 1/10.
         Otherwise they are refused.
     unknown
-        What errors advise about an unknown name, for which {name} stands; by default to declare it
+        What errors advise about an unknown name ({name} in the text); by default to declare it
         as a parameter.
     free
         Whether an unknown name is a new symbol instead of an error.

@@ -582,7 +582,7 @@ def test_a_branch_that_leaves_a_function_free_is_named() -> None:
 
 
 def test_the_only_variable_may_be_omitted():
-    """Functions of t alone are reduced over t; without functions the refusal names a coordinate."""
+    """Functions of t are reduced over t; without functions the refusal names a coordinate."""
     matter = gt.gravity.fluid("rho(t)", "0")
     cosmos = gt.gravity.equations(gt.levi_civita("frw"), "R/2", matter)
     assert cosmos.reduce().rates == cosmos.reduce("t").rates
