@@ -85,7 +85,7 @@ def burgers_vector(
     `burgers_vectors` share them among many loops.
 
     A smooth peak of the coframe that is narrower than a fiftieth of a side, or of the radius of a
-    circle, may lie between all points; then neither the vector nor its error shows it. `prove`
+    circle, may fall between all points; then neither the vector nor its error shows it. `prove`
     compares the error with a bound over the whole loop and reports such a peak. Corners of a
     polygon where the peak begins and ends resolve it.
 

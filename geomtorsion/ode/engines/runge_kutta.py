@@ -105,7 +105,7 @@ class RungeKutta(_Ladder):
         return super().first(math.sqrt(RUNG) * accuracy)
 
     def steps(self, system: System) -> Stepwise:
-        """Generated steps for few states, those of scipy for many."""
+        """Generated steps for few states, scipy's for many."""
         method = "generated" if system.size <= LARGEST else "DOP853"
         return Stepwise(method, self.max_evaluations)
 
