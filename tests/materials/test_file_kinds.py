@@ -190,7 +190,7 @@ def test_rounding_is_not_a_jump(u, nodes):
         ("m.ctf", "Channel Text File\n", "OrientationMap.read"),
     ],
 )
-def test_measured_data_is_no_tetrad(tmp_path: Path, name, content, words):
+def test_a_reader_of_tetrads_names_the_one_of_data(tmp_path: Path, name, content, words):
     """`gt.read` takes tetrad files, and names the reader of measured data."""
     (tmp_path / name).write_text(content)
     with pytest.raises(FileFormatError, match=words):
