@@ -154,7 +154,7 @@ def test_the_first_component_in_doubt_is_named() -> None:
         assert (check.name, check.holds, check.worst) == ("metricity", holds, worst)
 
 
-def test_what_is_printed_is_what_an_index_gives():
+def test_printed_components_are_those_by_index():
     """The printed S_ab^c of a polar frame, and the curvature of a sphere, by index."""
     polar = Frame("r phi", [["1", "0"], ["0", "r"]])
     torsion = cartan(polar).torsion

@@ -21,7 +21,6 @@ import numpy as np
 
 from geomtorsion.errors import CheckpointError, FileFormatError, GridError, LimitError
 from geomtorsion.materials.fields.cells import circuits, torsion
-from geomtorsion.materials.fields.circuits import Field
 from geomtorsion.materials.fields.contents import guarded, module
 from geomtorsion.materials.fields.grid import (
     check_length,
@@ -31,6 +30,7 @@ from geomtorsion.materials.fields.grid import (
     several,
     two_axes,
 )
+from geomtorsion.materials.fields.grid_circuits import Field
 from geomtorsion.materials.fields.large_arrays import (
     LargeArray,
     check_finite,

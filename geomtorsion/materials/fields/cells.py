@@ -12,8 +12,8 @@ import numpy as np
 
 from geomtorsion.loops.quadrature import ROUNDING
 from geomtorsion.materials.detours import Passages
-from geomtorsion.materials.fields.circuits import Field, unexplained
 from geomtorsion.materials.fields.grid import Grid
+from geomtorsion.materials.fields.grid_circuits import Field, unexplained
 from geomtorsion.materials.fields.noise import Noise, along
 from geomtorsion.materials.fields.sides import Sides, Spread, on_grid
 from geomtorsion.materials.fields.stencils import Rule

@@ -11,9 +11,14 @@ from geomtorsion.loops import Cochain, Complex, EdgeIntegrals, Loop, Part
 from geomtorsion.loops.quadrature import ROUNDING
 from geomtorsion.materials.detours import Passages
 from geomtorsion.materials.fields.cells import Circuits, windows_of
-from geomtorsion.materials.fields.circuits import Field, Measured, sampled_edges, sampled_polygons
 from geomtorsion.materials.fields.displacement import Displacement, differences
 from geomtorsion.materials.fields.grid import Grid
+from geomtorsion.materials.fields.grid_circuits import (
+    Field,
+    Measured,
+    sampled_edges,
+    sampled_polygons,
+)
 from geomtorsion.materials.fields.sides import on_grid
 from geomtorsion.materials.rings import Rings
 from geomtorsion.materials.survey import Errors

@@ -13,13 +13,6 @@ from geomtorsion.loops import Cochain, EdgeIntegrals, Loop
 from geomtorsion.materials.burgers import PLANE, Burgers, Section
 from geomtorsion.materials.detours import detour_of
 from geomtorsion.materials.fields import cells, holes
-from geomtorsion.materials.fields.circuits import (
-    Measured,
-    edge_cochain,
-    sampled_burgers,
-    sampled_edges,
-    unexplained,
-)
 from geomtorsion.materials.fields.densities import Density, incompatibility_of
 from geomtorsion.materials.fields.displaced import (
     displaced_burgers,
@@ -30,6 +23,13 @@ from geomtorsion.materials.fields.displaced import (
 )
 from geomtorsion.materials.fields.exact_interpolants import interpolant_of
 from geomtorsion.materials.fields.grid import two_axes
+from geomtorsion.materials.fields.grid_circuits import (
+    Measured,
+    edge_cochain,
+    sampled_burgers,
+    sampled_edges,
+    unexplained,
+)
 from geomtorsion.materials.fields.grid_geometry import at_two_steps
 from geomtorsion.materials.fields.holes import Hole
 from geomtorsion.materials.fields.metrics import orthonormal_coframe
