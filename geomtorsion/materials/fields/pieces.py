@@ -11,8 +11,8 @@ from geomtorsion.loops.quadrature import ROUNDING
 from geomtorsion.materials.fields.grid import Grid
 from geomtorsion.materials.fields.stencils import SLACK
 
-# Most steps of the search for a crossing; halving an interval as often reaches its rounding.
-STEPS = 53
+# Halving an interval as often as a number has bits reaches its rounding.
+HALVINGS = np.finfo(float).nmant + 1
 
 
 def crossings(
@@ -114,7 +114,7 @@ class _Path:
         """
         every, at = np.arange(len(first)), first
         ends = [np.full(len(first), np.nan), np.full(len(first), np.nan)]
-        for number in range(STEPS if len(first) else 0):
+        for number in range(HALVINGS if len(first) else 0):
             places, derivatives = self.at(at)
             values = (derivatives if slopes else places)[axis, every]
             away = np.where(up, values - level, level - values)
