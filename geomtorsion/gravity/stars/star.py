@@ -11,6 +11,7 @@ import numpy as np
 import sympy as sp
 
 from geomtorsion.errors import ArgumentError, GravityError
+from geomtorsion.gravity.reduced.beginning import Start
 from geomtorsion.gravity.stars.first_order import MOMENT, RADIAL, SIZE, SLOPE, SPIN, TIDE
 from geomtorsion.gravity.stars.first_order import love_number as love_number_of
 from geomtorsion.gravity.stars.structure import SURFACE, Structure
@@ -191,7 +192,7 @@ def star_of(
     names = structure.reduction.states
     first = {"A": 1} if start is None and "A" in names else dict(start or {})
     rough = {"B": 1} if near is None and "B" in names else dict(near or {})
-    problem, depth = structure.ode(sp.Rational(eta), first, dict(parameters or {}), rough)
+    problem, depth = structure.ode(sp.Rational(eta), Start(first, parameters or {}, rough))
     solution = solve_ode(problem, float(depth), accuracy)
     if not solution.complete:
         raise GravityError(
