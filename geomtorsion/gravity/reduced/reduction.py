@@ -39,6 +39,7 @@ class Reduction:
     branch: the rules for highest derivatives, and the constraints.
     search: for the other branches.
     frame: of the ansatz; signs of roots are read in its region.
+    names: conditions that name invariants inside of functions, such as S(r) = T for exp(T).
 
     Examples
     --------
@@ -64,6 +65,7 @@ class Reduction:
     branch: Branch
     search: Search
     frame: Frame
+    names: tuple[str, ...] = ()
 
     @property
     def eliminated(self) -> Eliminated:
@@ -94,9 +96,7 @@ class Reduction:
         [((), '0 = a**2 + 18*a_1**2*c'), (('a_1',), "a' = 0")]
         """
         return tuple(
-            Reduction(self.jets, one, self.search, self.frame)
-            for one in self._all_branches[0]
-            if not self._free(one)
+            replace(self, branch=one) for one in self._all_branches[0] if not self._free(one)
         )
 
     @cached_property
@@ -264,8 +264,9 @@ class Reduction:
         """
         parameters = numbers_of(start.parameters, self.constants, "parameters")
         (place,) = numbers_of({"origin": start.origin}, ("origin",), "origin").values()
-        has_pole = self._has_pole(place, start.values)
-        centre = Centre(self.jets, self.eliminated, place) if has_pole else None
+        centre = None
+        if self._has_pole(place, start.values):
+            centre = Centre(self.jets, self.eliminated, place, self.names)
         names = self.states if centre is None else centre.names
         return Beginning(
             rates=self.rates,
