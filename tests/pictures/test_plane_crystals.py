@@ -1,5 +1,7 @@
 """Figures of crystals in a plane: atoms by grain, dislocations with b, units."""
 
+from typing import Any
+
 import numpy as np
 import pytest
 
@@ -29,7 +31,8 @@ def test_arrows_are_multiples_of_b():
     crystal = PlaneCrystal(np.column_stack([COLUMNS + slip, ROWS]))
     (point,) = crystal.dislocations()
     figure = gt.pictures.draw_plane_crystal(crystal)
-    (drawn,) = figure.axes[0].texts
+    drawn: Any = figure.axes[0].texts[0]
+    assert len(figure.axes[0].texts) == 1
     assert tuple(drawn.get_position()) == pytest.approx(point.position)
     away = np.subtract(drawn.xy, point.position) / point.burgers[0]
     assert away == pytest.approx([2, 2 * point.burgers[1] / point.burgers[0]])
