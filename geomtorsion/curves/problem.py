@@ -65,7 +65,7 @@ from geomtorsion.ode.terms import At, When, expression, symbol_table
 from geomtorsion.ode.trajectory import Event, Segment, Stage, State, Trajectory
 from geomtorsion.support import checks
 from geomtorsion.support.caching import cached_property
-from geomtorsion.support.copies import content_hash, equal_content, only_fields
+from geomtorsion.support.copies import ByContent
 from geomtorsion.support.displays import drawn_by, latex_of
 from geomtorsion.support.hints import attribute_hints
 from geomtorsion.support.precision import CALCULATED, EPS
@@ -77,7 +77,7 @@ if TYPE_CHECKING:
 
 @attribute_hints(solve="gt.solve(problem, times)")
 @dataclass(frozen=True, eq=False)
-class CurveProblem:
+class CurveProblem(ByContent):
     """Curve to solve for: law, frame and start; made by `geodesic`, `autoparallel`, ...
 
     name: of the curve.
@@ -117,15 +117,6 @@ class CurveProblem:
     _beginnings: dict[int, tuple[str, MovingPoint]] = field(
         default_factory=dict, repr=False, init=False
     )
-
-    def __eq__(self, other: object) -> bool:
-        return equal_content(self, other)
-
-    def __hash__(self) -> int:
-        return content_hash(self)
-
-    def __getstate__(self) -> dict[str, object]:
-        return only_fields(self)
 
     # Its name in files.
     kind = "curve"

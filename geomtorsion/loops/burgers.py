@@ -26,8 +26,8 @@ from geomtorsion.loops.loop import Loop, check_loop
 from geomtorsion.loops.poles import refuse_poles
 from geomtorsion.loops.protocols import HasBurgers
 from geomtorsion.loops.result import BurgersVector, Check
+from geomtorsion.loops.symbol_values import with_numbers
 from geomtorsion.loops.validation import check_accuracy
-from geomtorsion.loops.values import with_numbers
 from geomtorsion.support import checks
 from geomtorsion.support.budget import affordable
 from geomtorsion.support.hints import argument_hints
@@ -83,6 +83,11 @@ def burgers_vector(
     estimate; on most loops these have 15 digits already, and their number does not depend on the
     accuracy. For one loop most of the time goes into calls, not points: `burgers_map` and
     `burgers_vectors` share them among many loops.
+
+    A smooth peak of the coframe that is narrower than a fiftieth of a side, or of the radius of a
+    circle, may fall between all points; then neither the vector nor its error shows it. `prove`
+    compares the error with a bound over the whole loop and reports such a peak. Corners of a
+    polygon where the peak begins and ends resolve it.
 
     Returns
     -------

@@ -46,11 +46,17 @@ from geomtorsion.support import checks
 from geomtorsion.support.caching import cached_property
 from geomtorsion.support.displays import drawn_by
 from geomtorsion.support.exclusive import exclusive
+from geomtorsion.support.hints import attribute_hints
 
 # Parts of the coframe equation by the names that `readable` has for them.
 DIVIDED = {"E": "E", "E_ij": "E_lower", "E_(ij)": "symmetric", "E_[ij]": "antisymmetric"}
 
 
+@attribute_hints(
+    is_zero="equations.E.is_zero",
+    holds="equations.E.is_zero",
+    solve='gt.gravity.solve(equations, "t", 10, start)',
+)
 @exclusive
 @dataclass(frozen=True, eq=False, repr=False)
 class FieldEquations:
@@ -619,10 +625,11 @@ class FieldEquations:
         """
         return {x: self._printed(one) for x, one in self._variation.matter_equations.items()}
 
-    def reduce(self, variable: object, conditions: object = ()) -> Reduction:
+    def reduce(self, variable: object = None, conditions: object = ()) -> Reduction:
         """First-order equations for unknown functions of one variable, with constraints.
 
-        variable: the coordinate on which all unknown functions depend, such as "t" or "r".
+        variable: the coordinate on which all unknown functions depend, such as "t" or "r"; it may
+            be omitted where there is only one.
         conditions: further equations: a state "p = rho/3", a gauge "N = 1", a new name "S(r) = R".
 
         Raises
@@ -744,7 +751,7 @@ def equations(
     True
     """
     wanted = "one connection or a list of connections"
-    own = listed(connections, ConnectionLike, "connections", wanted)
+    own = listed(connections, ConnectionLike | Frame, "connections", wanted)
     several = [as_connection(one, "connections", GravityError) for one in own]
     if not several:
         raise GravityError(

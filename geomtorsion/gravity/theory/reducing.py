@@ -22,12 +22,15 @@ def reduced(sources: Sources, variable: object, conditions: object) -> Reduction
     """First-order equations and constraints of field equations; see `FieldEquations.reduce`."""
     frame = sources.frame
     coordinates = {one.name: one for one in frame.coordinates}
-    name = checks.known_name(variable, coordinates, "variable", GravityError)
-    symbol = coordinates[name]
     order = (sources.connection, sources.fluid, sources.field, sources.coframe)
     residuals = list(sources.residuals(conditions_of(conditions)))
     elements = [element for element, _ in residuals]
     functions = unknown_functions(elements)
+    if variable is None:
+        used = [x for x in frame.coordinates if any(x in one.args for one in functions)]
+        variable = (used or frame.coordinates)[0].name
+    name = checks.known_name(variable, coordinates, "variable", GravityError)
+    symbol = coordinates[name]
     _check_functions(functions, symbol)
     rank = {function: k for k, part in enumerate(order) for function in part}
     functions.sort(key=lambda one: (rank.get(one, -1), str(one)))

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 
 import sympy as sp
 
-from geomtorsion.action import validation, writing
+from geomtorsion.action import equation_text, validation
 from geomtorsion.action.hamel import (
     Hamel,
     HamelCoefficients,
@@ -46,12 +46,12 @@ class Reduced:
     @property
     def text(self) -> str:
         """One line for each rate."""
-        return writing.rate_text(self.rates)
+        return equation_text.rate_text(self.rates)
 
     @property
     def latex(self) -> str:
         """The rates as aligned LaTeX."""
-        return writing.rate_latex(self.rates)
+        return equation_text.rate_latex(self.rates)
 
     def _repr_latex_(self) -> str:
         return f"$${self.latex}$$"
@@ -135,7 +135,7 @@ class EquationsOfMotion:
             residuals.append(
                 sp.Add(
                     *(value.sympy * dots[i] for i, value in pairs),
-                    writing.by_powers(rest, self.velocities),
+                    equation_text.by_powers(rest, self.velocities),
                 )
             )
         return tuple(residuals)
@@ -149,13 +149,13 @@ class EquationsOfMotion:
         values, moving = self.hamel.accelerations, self.velocities
         if values is None:
             return tuple(above.sympy / below.sympy for above, below in self.hamel.quotients)
-        return tuple(writing.by_powers(value, moving) for value in values)
+        return tuple(equation_text.by_powers(value, moving) for value in values)
 
     @cached_property
     def rates(self) -> Mapping[str, sp.Expr]:
         """Name of a state -> its rate: q'^mu = E_i^mu u^i, then u'^k."""
         names = [symbol.name for symbol in (*self.frame.coordinates, *self.velocities)]
-        rates = [writing.by_powers(value, self.velocities) for value in self.hamel.rates]
+        rates = [equation_text.by_powers(value, self.velocities) for value in self.hamel.rates]
         return dict(zip(names, (*rates, *self.accelerations), strict=True))
 
     @cached_property
@@ -244,12 +244,14 @@ class EquationsOfMotion:
     @property
     def text(self) -> str:
         """One line for each rate."""
-        return writing.rate_text(self.rates)
+        return equation_text.rate_text(self.rates)
 
     @property
     def latex(self) -> str:
         """The rates as aligned LaTeX."""
-        return writing.rate_latex(self.rates, assumption_latex(self.frame, self.rates.values()))
+        return equation_text.rate_latex(
+            self.rates, assumption_latex(self.frame, self.rates.values())
+        )
 
     def _repr_latex_(self) -> str:
         return f"$${self.latex}$$"
