@@ -475,7 +475,7 @@ def _(guides, language, mo, opened, runner, sent, stated, texts_from, views):
 
 
 @app.cell
-def _(guides, hint, mo, opened, runner, stated, texts_from, views):
+def _(guides, hint, language, mo, opened, runner, stated, texts_from, views):
     mo.stop(opened != guides.EXERCISES or "number" not in stated)
     _taken = runner.ask(
         "hints", number=stated["number"], seed=stated["seed"], count=hint.value, **texts_from
