@@ -13,8 +13,8 @@ import geomtorsion as gt
 from geomtorsion.errors import GeomtorsionError
 from geomtorsion.loops.loop_files import loops_from_json
 from geomtorsion.ode import ODE, RungeKutta, SavedSolution, solve
-from geomtorsion.scenes.files import read_file as read_scene
-from geomtorsion.spaces.files import read_file as read_space
+from geomtorsion.scenes.scene_files import read_file as read_scene
+from geomtorsion.spaces.tetrad_files import read_file as read_space
 from tests.cli.running import run
 from tests.rounding import ROUNDED
 

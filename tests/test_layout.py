@@ -4,6 +4,7 @@ import ast
 import re
 import subprocess
 import sys
+from itertools import chain
 from pathlib import Path
 
 import pytest
@@ -61,6 +62,17 @@ FLOORS = BELOW_THE_WALL + ABOVE_THE_WALL
 NEIGHBOURS: dict[tuple[str, str], str] = {
     ("gravity", "materials"): "constraints and field equations of frames on a grid",
 }
+# Folders within a package, lowest layer first; folders in one layer do not import each other. Files
+# directly in the package are in the folder "."; its __init__ may import all.
+INNER_LAYERS: dict[str, tuple[tuple[str, ...], ...]] = {
+    "gravity": (
+        ("initial_data", "numeric", "reduced", "states"),
+        ("theory",),
+        ("charges", "motion", "stars"),
+        ("perturbed",),
+    ),
+    "prices": (("effects", "."),),
+}
 # A longer file holds more than one idea, unless a reason is given here.
 LONG: dict[str, str] = {
     "ode/problem.py": "what a solver asks of equations, in one place; a quarter is documentation",
@@ -78,7 +90,7 @@ LONG: dict[str, str] = {
     "geometry/connection.py": "all that a connection can be asked; half is documentation",
     "loops/exact_integral.py": "line integrals in closed form: kinds of integrands, side by side",
     "geometry/forms.py": "the exterior calculus: a form, its algebra and its derivatives",
-    "gravity/equations.py": "all that field equations can be asked; half is documentation",
+    "gravity/theory/field_equations.py": "all that field equations can be asked; half is words",
     "geometry/frame.py": "all that a frame can be asked; two thirds are documentation",
     "geometry/real_points.py": "real points: candidates, their walls, and which one is preferred",
     "geometry/components.py": "sparse arrays with their symmetries, products and inverses",
@@ -136,7 +148,7 @@ CEILINGS = {
 }
 # Lines of code below and above the wall, rounded up to five hundreds, without docstrings, comments
 # and blanks. A change that needs more raises a number and states in its commit what users get.
-BUDGET = {"below the wall": 56000, "above the wall": 61000}
+BUDGET = {"below the wall": 56000, "above the wall": 61500}
 # What a program that imports the package does not wait for.
 LATER = ("sympy", "flint", "mpmath", "numpy", "multiprocessing", "asyncio", "tomllib", "sqlite3")
 HEAVY = ("networkx", "scipy", "typer", "rich", "matplotlib", "heyoka", "marimo", "dask", "ase")
@@ -157,6 +169,23 @@ def upward(own: str, imported: str) -> bool:
     return floor_of(imported) >= floor_of(own)
 
 
+def inner_layer(file: str) -> tuple[str, int]:
+    """The folder of a file in a package with inner layers, and the number of its layer."""
+    package, *folders, _ = file.split("/")
+    folder = folders[0] if folders else "."
+    for number, names in enumerate(INNER_LAYERS[package]):
+        if folder in names:
+            return folder, number
+    raise AssertionError(f"{file} is in no folder of INNER_LAYERS; move it, or add its folder")
+
+
+def inner_upward(own: str, imported: str) -> bool:
+    """Whether an import within a package points to a higher layer, or to a neighbour."""
+    folder, layer = inner_layer(own)
+    other, above = inner_layer(imported)
+    return folder != other and above >= layer
+
+
 def test_there_is_something_to_check():
     """The tests below see the whole package."""
     assert len(FILES) > 80
@@ -174,12 +203,36 @@ def test_no_arrow_points_up():
     assert not wrong
 
 
+@pytest.mark.parametrize("package", INNER_LAYERS)
+def test_no_arrow_points_up_within_a_package(package: str):
+    """A file imports only from its own folder and from folders in lower layers of its package."""
+    start = f"{package}/__init__.py"
+    inner = {
+        file: [one for one in others if one.startswith(f"{package}/") and one != start]
+        for file, others in file_imports().items()
+        if file.startswith(f"{package}/") and file != start
+    }
+    assert {inner_layer(file)[0] for file in inner} == {*chain(*INNER_LAYERS[package])}
+    assert not [
+        f"{file} imports {other}"
+        for file, others in inner.items()
+        for other in others
+        if inner_upward(file, other)
+    ]
+
+
 def test_an_upward_arrow_would_be_found():
     """The check above can fail: it refuses each of these imports."""
     assert upward("exact", "geometry")
     assert upward("geometry", "cli")
     assert upward("ode", "curves")
     assert not upward("cli", "exact")
+    assert inner_upward("gravity/theory/lagrangian.py", "gravity/motion/solving.py")
+    assert inner_upward("gravity/stars/star.py", "gravity/motion/solving.py")
+    assert inner_upward("prices/motions.py", "prices/effects/sensitivity.py")
+    assert not inner_upward("gravity/motion/solving.py", "gravity/theory/lagrangian.py")
+    with pytest.raises(AssertionError, match="is in no folder of INNER_LAYERS"):
+        inner_layer("gravity/lagrangian.py")
     text = 'import_module("geomtorsion.spaces"), import_module(f"geomtorsion.pictures.{name}")'
     assert list(named_modules(ast.parse(text))) == [("spaces",), ("pictures",)]
     with pytest.raises(AssertionError, match="is not in FLOORS"):
@@ -230,9 +283,9 @@ def test_every_file_has_a_docstring():
 
 
 def test_packages_import_in_one_direction():
-    """Packages do not import each other in rings; nor do the packages in materials and teaching."""
+    """Packages do not import each other in rings; nor do those in gravity, materials, teaching."""
     assert not rings(package_imports())
-    assert not rings(package_imports(deep=("materials", "teaching")))
+    assert not rings(package_imports(deep=("gravity", "materials", "teaching")))
 
 
 def test_files_of_two_packages_are_in_no_ring():

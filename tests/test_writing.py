@@ -22,7 +22,7 @@ from geomtorsion.materials.readers import open_source
 from geomtorsion.pictures.report import write_report
 from geomtorsion.pictures.scene_film import write_film
 from geomtorsion.pictures.style import new_figure, save
-from geomtorsion.spaces.files import read_file
+from geomtorsion.spaces.tetrad_files import read_file
 from geomtorsion.teaching.exercises import export
 from geomtorsion.teaching.exercises.grading import grade, read_submission
 from geomtorsion.teaching.exercises.sheets import write_sheet

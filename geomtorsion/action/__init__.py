@@ -1,6 +1,6 @@
 """Action: variations and the equations of motion that follow from them."""
 
-from geomtorsion.action.equations import (
+from geomtorsion.action.equations_of_motion import (
     EquationsOfMotion,
     conserved_quantities,
     equations_of_motion,

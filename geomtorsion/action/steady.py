@@ -11,8 +11,8 @@ import mpmath
 import numpy as np
 import sympy as sp
 
+from geomtorsion.action.equation_text import rate_text
 from geomtorsion.action.expansion import Expansion, Jet
-from geomtorsion.action.writing import rate_text
 from geomtorsion.errors import ConstraintError, MissingValueError, StartError, UnknownNameError
 from geomtorsion.exact import Field
 from geomtorsion.geometry.components import determinant, inverse

@@ -7,6 +7,7 @@ longer than `geomtorsion --help` takes.
 from __future__ import annotations
 
 import gc
+import re
 import signal
 from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager, nullcontext
@@ -61,7 +62,7 @@ class LazyGroup(TyperGroup):
     def get_command(self, ctx: Any, cmd_name: str) -> Any:
         """The command of this name, imported now; None if there is none, nor one like it."""
         if cmd_name not in self.summaries:
-            if near := near_names(cmd_name, self.summaries):
+            if near := near_names(cmd_name, self.summaries) or self._about(cmd_name):
                 ctx.fail(f"No such command {cmd_name!r}. Did you mean {near!r}?")
             return None
         with _uncollected():
@@ -71,6 +72,12 @@ class LazyGroup(TyperGroup):
             return get_command(target)
         command = _command(target, self.settings.get(cmd_name))
         return _limited(command) if cmd_name in self.limited else command
+
+    def _about(self, word: str) -> str:
+        """The first command whose line in the help has a word, or an empty text."""
+        stem = re.escape(word.lower().removesuffix("s"))
+        texts = ((name, text.lower()) for name, text in self.summaries.items())
+        return next((name for name, text in texts if re.search(rf"\b{stem}(s|es)?\b", text)), "")
 
     def format_commands(self, ctx: Any, formatter: Any) -> None:
         """The part of `--help` that lists the commands, group by group."""

@@ -209,6 +209,8 @@ def survey_lines(survey: Survey, found: Json | None = None) -> list[str]:
     lines = [f"{count_text(found['known'], 'circuit')} of {survey.extent}"]
     if found.get("detoured"):
         lines[0] += f", {found['detoured']:,} of them around missing nodes"
+    if survey.replaced:
+        lines[0] += f", {survey.replaced}"
     if missing:
         lines[0] += f"; {missing:,} more {survey.missing}"
     if not found["known"]:

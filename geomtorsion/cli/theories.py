@@ -19,8 +19,8 @@ from geomtorsion.gravity import (
     maxwell,
     scalar_field,
 )
-from geomtorsion.gravity.matter import MatterField
-from geomtorsion.gravity.vocabulary import THEORIES
+from geomtorsion.gravity.theory.matter import MatterField
+from geomtorsion.gravity.theory.vocabulary import THEORIES
 from geomtorsion.spaces import Space, names
 from geomtorsion.support.files import read_toml
 

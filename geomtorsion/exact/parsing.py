@@ -65,7 +65,8 @@ def parse_expression(
         Whether decimal numbers are read, as the fractions that they are written as: 0.1 is 1/10.
         Otherwise they are refused.
     unknown
-        What errors advise about an unknown name; by default to declare it as a parameter.
+        What errors advise about an unknown name ({name} in the text); by default to declare it
+        as a parameter.
     free
         Whether an unknown name is a new symbol instead of an error.
 
@@ -238,7 +239,8 @@ class _Reader:
         # I1 is near to I by its letters only: a constant of one letter is meant where all agree.
         constants = [one for one in CONSTANTS if len(one) > 1 or one.lower() == name.lower()]
         names = [*self.symbols, *(self.functions or ()), *constants]
-        remedy = self.unknown or f"Otherwise declare {name} as a parameter."
+        advice = self.unknown or "Otherwise declare {name} as a parameter."
+        remedy = advice.replace("{name}", name)
         near = near_names(name, names)
         remedy = f"Did you mean {near}? {remedy}" if near else remedy.removeprefix("Otherwise ")
         reason = f"{name} is neither a coordinate nor a declared parameter"

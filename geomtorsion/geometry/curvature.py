@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from fractions import Fraction
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any, overload
+
+import sympy as sp
 
 from geomtorsion.errors import ShapeError
 from geomtorsion.exact import Element
@@ -32,6 +34,7 @@ from geomtorsion.support.hints import attribute_hints
 if TYPE_CHECKING:
     from geomtorsion.geometry.connection import Connection
     from geomtorsion.geometry.frame import Frame
+    from geomtorsion.geometry.indexing import One, Place
 
 HALF = Fraction(1, 2)
 
@@ -55,6 +58,17 @@ class Curvature:
     """
 
     connection: Connection
+
+    @overload
+    def __getitem__(self, index: tuple[Place, ...]) -> sp.Expr: ...
+    @overload
+    def __getitem__(self, index: One | tuple[One, ...]) -> Any: ...
+    def __getitem__(self, index: One | tuple[One, ...]) -> Any:
+        """R_mnl^k, as it is printed: a sympy expression, or an array of components (see Tensor)."""
+        return self.riemann[index]
+
+    def __iter__(self) -> Iterator[Any]:
+        return iter(self.riemann)
 
     @property
     def _is_riemannian(self) -> bool:

@@ -49,6 +49,7 @@ Plain = tuple[str, validation.Matrix] | tuple[Callable[..., "Frame"], tuple[obje
     riemann="gt.levi_civita(frame).curvature.riemann",
     connection="gt.cartan(frame)",
     christoffel="gt.levi_civita(frame)",
+    det="frame.determinant",
     e="frame.coframe",
     g="frame.metric",
     plot="frame.metric.plot(at={...})",

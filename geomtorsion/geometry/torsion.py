@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from fractions import Fraction
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any, overload
+
+import sympy as sp
 
 from geomtorsion.exact import Element
 from geomtorsion.geometry.components import Index, alternating, antisymmetric, symmetric
@@ -21,6 +23,7 @@ from geomtorsion.support.hints import attribute_hints
 
 if TYPE_CHECKING:
     from geomtorsion.geometry.connection import Connection
+    from geomtorsion.geometry.indexing import One, Place
 
 HALF, THIRD, QUARTER = Fraction(1, 2), Fraction(1, 3), Fraction(1, 4)
 
@@ -44,6 +47,17 @@ class Torsion:
     """
 
     connection: Connection
+
+    @overload
+    def __getitem__(self, index: tuple[Place, ...]) -> sp.Expr: ...
+    @overload
+    def __getitem__(self, index: One | tuple[One, ...]) -> Any: ...
+    def __getitem__(self, index: One | tuple[One, ...]) -> Any:
+        """S_ab^c, as it is printed: a sympy expression, or an array of components (see Tensor)."""
+        return self.S[index]
+
+    def __iter__(self) -> Iterator[Any]:
+        return iter(self.S)
 
     @cached_property
     def T(self) -> Tensor:

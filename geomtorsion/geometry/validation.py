@@ -90,7 +90,8 @@ def typed_entries(
         return n, entries
     names = names_of(coordinates, parameters, entries.values())
     for index, text in typed.items():
-        entries[index] = parse_expression(text, names, where=f"{name}{list(index)}")
+        where, unknown = f"{name}{list(index)}", 'Otherwise declare it: parameters=["{name}"].'
+        entries[index] = parse_expression(text, names, where=where, unknown=unknown)
     return n, {index: x for index, x in entries.items() if not _is_plain_zero(x)}
 
 

@@ -1,39 +1,39 @@
 """Gravity: a Lagrangian of torsion, curvature and nonmetricity in, field equations out."""
 
 from geomtorsion.gravity import perturbed
-from geomtorsion.gravity.boundary import Shooting, shoot
 from geomtorsion.gravity.charges.charge import Charge, charge
 from geomtorsion.gravity.charges.horizons import Horizon, horizons
-from geomtorsion.gravity.equations import FieldEquations, equations
-from geomtorsion.gravity.fluids import fluid, torsion_from_spin, weyssenhoff
-from geomtorsion.gravity.hypermomentum import hypermomentum
-from geomtorsion.gravity.inertial import inertial
 from geomtorsion.gravity.initial_data.constraints import Constraints, constraints
 from geomtorsion.gravity.initial_data.sampled_constraints import SampledConstraints
 from geomtorsion.gravity.initial_data.slices import Slice, read_slice
-from geomtorsion.gravity.invariance import (
-    invariant_coframe,
-    invariant_connection,
-    invariant_torsion,
-)
-from geomtorsion.gravity.invariants import Invariant, invariant, invariants
-from geomtorsion.gravity.lagrangian import Lagrangian, names
-from geomtorsion.gravity.matter import maxwell, scalar_field
-from geomtorsion.gravity.model import Model, read_model
-from geomtorsion.gravity.newman_penrose import NewmanPenrose, newman_penrose
-from geomtorsion.gravity.reduction import Reduction
-from geomtorsion.gravity.solving import solve
-from geomtorsion.gravity.stars.equation_of_state import (
+from geomtorsion.gravity.motion.boundary import Shooting, shoot
+from geomtorsion.gravity.motion.model import Model, read_model
+from geomtorsion.gravity.motion.solving import solve
+from geomtorsion.gravity.reduced.reduction import Reduction
+from geomtorsion.gravity.stars.family import Family, family
+from geomtorsion.gravity.stars.star import Star, star
+from geomtorsion.gravity.states.equation_of_state import (
     EquationOfState,
     energy_polytrope,
     incompressible,
     polytropes,
 )
-from geomtorsion.gravity.stars.family import Family, family
-from geomtorsion.gravity.stars.matter_tables import equation_of_state
-from geomtorsion.gravity.stars.star import Star, star
-from geomtorsion.gravity.statistical import statistical
-from geomtorsion.gravity.theories import (
+from geomtorsion.gravity.states.matter_tables import equation_of_state
+from geomtorsion.gravity.theory.field_equations import FieldEquations, equations
+from geomtorsion.gravity.theory.fluids import fluid, torsion_from_spin, weyssenhoff
+from geomtorsion.gravity.theory.hypermomentum import hypermomentum
+from geomtorsion.gravity.theory.inertial import inertial
+from geomtorsion.gravity.theory.invariance import (
+    invariant_coframe,
+    invariant_connection,
+    invariant_torsion,
+)
+from geomtorsion.gravity.theory.invariants import Invariant, invariant, invariants
+from geomtorsion.gravity.theory.lagrangian import Lagrangian, names
+from geomtorsion.gravity.theory.matter import maxwell, scalar_field
+from geomtorsion.gravity.theory.newman_penrose import NewmanPenrose, newman_penrose
+from geomtorsion.gravity.theory.statistical import statistical
+from geomtorsion.gravity.theory.theories import (
     einstein_cartan,
     f_of,
     gauss_bonnet,
@@ -44,9 +44,9 @@ from geomtorsion.gravity.theories import (
     stegr,
     tegr,
 )
-from geomtorsion.gravity.theory_files import read_theory
-from geomtorsion.gravity.translations import Translation, translations
-from geomtorsion.gravity.two_forms import kalb_ramond
+from geomtorsion.gravity.theory.theory_files import read_theory
+from geomtorsion.gravity.theory.translations import Translation, translations
+from geomtorsion.gravity.theory.two_forms import kalb_ramond
 from geomtorsion.same import killing_equations, killing_yano, symmetries
 
 __all__ = [

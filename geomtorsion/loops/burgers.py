@@ -26,8 +26,8 @@ from geomtorsion.loops.loop import Loop, check_loop
 from geomtorsion.loops.poles import refuse_poles
 from geomtorsion.loops.protocols import HasBurgers
 from geomtorsion.loops.result import BurgersVector, Check
+from geomtorsion.loops.symbol_values import with_numbers
 from geomtorsion.loops.validation import check_accuracy
-from geomtorsion.loops.values import with_numbers
 from geomtorsion.support import checks
 from geomtorsion.support.budget import affordable
 from geomtorsion.support.hints import argument_hints

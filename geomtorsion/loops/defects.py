@@ -19,9 +19,9 @@ from geomtorsion.loops.arcs import Number, Parameters, shown
 from geomtorsion.loops.defect_lines import Lines
 from geomtorsion.loops.forms import Poles, parameter_values
 from geomtorsion.loops.loop import Loop
+from geomtorsion.loops.symbol_values import with_numbers
 from geomtorsion.loops.transport import transported
 from geomtorsion.loops.validation import rows
-from geomtorsion.loops.values import with_numbers
 from geomtorsion.loops.winding import turns_round
 from geomtorsion.support import checks
 from geomtorsion.support.checks import exact_number

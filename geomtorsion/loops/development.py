@@ -23,9 +23,9 @@ from geomtorsion.loops.loop import Loop, check_loop
 from geomtorsion.loops.poles import refuse_poles
 from geomtorsion.loops.protocols import HasBurgers
 from geomtorsion.loops.quadrature import ROUNDING
+from geomtorsion.loops.symbol_values import with_numbers
 from geomtorsion.loops.transport import Transported, transported
 from geomtorsion.loops.validation import check_accuracy
-from geomtorsion.loops.values import with_numbers
 from geomtorsion.support.displays import Plot, drawn_by, figure_by
 from geomtorsion.support.hints import argument_hints, attribute_hints
 from geomtorsion.support.outgoing import measured_text

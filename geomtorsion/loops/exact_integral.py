@@ -37,7 +37,7 @@ from geomtorsion.loops.forms import forms
 from geomtorsion.loops.integrals import refuse_other_periods
 from geomtorsion.loops.loop import Loop, check_loop
 from geomtorsion.loops.poles import refuse_poles
-from geomtorsion.loops.values import with_values
+from geomtorsion.loops.symbol_values import with_values
 from geomtorsion.support import checks
 from geomtorsion.support.allowance import limits
 from geomtorsion.support.checks import expression as expression_of

@@ -14,8 +14,8 @@ import sympy as sp
 from geomtorsion.errors import FileFormatError, GeomtorsionError
 from geomtorsion.exact import parse_expression
 from geomtorsion.loops.loop import Loop
+from geomtorsion.loops.symbol_values import refuse_undeclared_turns
 from geomtorsion.loops.validation import TWO_SIDES
-from geomtorsion.loops.values import refuse_undeclared_turns
 from geomtorsion.support import checks
 from geomtorsion.support.files import plain_float, read_json_text, read_text
 

@@ -15,9 +15,9 @@ from geomtorsion.loops.affine_map import AffineMap
 from geomtorsion.loops.arcs import Parameters, Part, Segment, shown
 from geomtorsion.loops.development import back_by
 from geomtorsion.loops.loop import Loop, check_loop
+from geomtorsion.loops.symbol_values import with_numbers
 from geomtorsion.loops.transport import STAGES, collocation, increments, transported
 from geomtorsion.loops.validation import number, vector
-from geomtorsion.loops.values import with_numbers
 from geomtorsion.support import checks
 from geomtorsion.support.precision import CALCULATED
 

@@ -64,6 +64,9 @@ class Survey:
         their detours, and the errors include the detours. The noise of a detour is an upper bound:
         the noise of the whole ring around the missing nodes.
     directed: computes b along the axes of the source where `vectors` refers to other axes.
+    sides: cells along the sides of each square, where larger squares around missing nodes replace
+        squares without b, shape (places...); None if all have the same size. Areas and errors
+        belong to the larger squares, and `centres` to the requested ones.
     """
 
     vectors: np.ndarray
@@ -81,6 +84,7 @@ class Survey:
     whole: np.ndarray = field(default_factory=lambda: np.zeros(0, dtype=np.int64))
     directed: Callable[[], np.ndarray] | None = None
     passages: np.ndarray | None = None
+    sides: np.ndarray | None = None
 
     def __post_init__(self) -> None:
         """Number components without names."""
@@ -98,6 +102,12 @@ class Survey:
     def detoured(self) -> np.ndarray:
         """Where a circuit has a Burgers vector and goes around missing nodes, shape (places...)."""
         return self.known & (False if self.passages is None else self.passages > 0)
+
+    @property
+    def widened(self) -> np.ndarray:
+        """Where a larger square replaces the requested one, shape (places...)."""
+        wide = False if self.sides is None else self.sides > self.size[0]
+        return np.broadcast_to(wide, self.known.shape)
 
     @property
     def magnitude(self) -> np.ndarray:
@@ -252,6 +262,16 @@ class Survey:
         return f"{self.size[0]} rings of triangles" if self.size[0] else "one triangle"
 
     @property
+    def replaced(self) -> str:
+        """How many squares are replaced by larger ones, in words; empty without such squares."""
+        count = int(self.widened.sum())
+        if self.sides is None or not count:
+            return ""
+        least, most = (int(f(self.sides[self.widened])) for f in (np.min, np.max))
+        sides = f"{least} x {least}" + (f" to {most} x {most}" if most > least else "")
+        return f"{count:,} replaced by larger squares of {sides} cells around missing nodes"
+
+    @property
     def _area_varies(self) -> bool:
         """Whether circuits on a grid have different areas, because of detours."""
         return self.on_grid and np.ndim(self.area) > 0
@@ -261,9 +281,9 @@ class Survey:
     def summary(self) -> Json:
         """Summary of the survey as plain data; None for numbers that do not exist.
 
-        circuits, known, detoured, significant: numbers of circuits. median, largest: of |b| per
-        area. floor: median of its noise floor. level: the significance that pure noise exceeds in
-        one circuit of a thousand. place: coordinates of the largest |b| per area.
+        circuits, known, detoured, widened, significant: numbers of circuits. median, largest: of
+        |b| per area. floor: median of its noise floor. level: the significance that pure noise
+        exceeds in one circuit of a thousand. place: coordinates of the largest |b| per area.
         """
         mask, area = self.known, np.broadcast_to(self.area, self.known.shape)
         summary: Json = {
@@ -272,6 +292,7 @@ class Survey:
             "circuits": mask.size,
             "known": int(mask.sum()),
             "detoured": int(self.detoured.sum()),
+            "widened": int(self.widened.sum()),
             "significant": int((self.significant & mask).sum()),
             "level": self.level,
             "unit": self.unit,
@@ -303,12 +324,15 @@ class Survey:
         header = [f"{name}_centre" for name in places] + ["layer"] * layered
         header += [*self.components, "b_per_area", "noise_floor", "grid_error", "significance"]
         header += ["area", "passages"] * (self.passages is not None)
+        header += ["cells"] * (self.sides is not None)
         columns = [
             *self.vectors, self.per_area, self.floor, self.systematic_error / self.area,
             self.significance,
         ]  # fmt: skip
         if self.passages is not None:
             columns += [np.broadcast_to(self.area, self.known.shape), self.passages]
+        if self.sides is not None:
+            columns.append(self.sides)
         table = np.stack([self.laid(column) for column in columns], axis=-1)
         one, two = self.lines
         with written(path) as part, part.open("w", encoding="utf-8", newline="") as file:
@@ -352,6 +376,8 @@ class Survey:
         }
         if self.passages is not None:
             arrays["passages"] = self.laid(self.passages)
+        if self.sides is not None:
+            arrays["cells"] = self.laid(self.sides)
         if self.arrows is not None:
             arrays["in_plane"] = self.laid(self.arrows)
         with written(path) as part:
@@ -366,6 +392,7 @@ class Survey:
             units = f", in {self.vector_unit}, lengths in {self.unit}"
         around = int(self.detoured.sum())
         where += f", {around} around missing nodes" if around else ""
+        where += f", {self.replaced}" if self.replaced else ""
         count = " x ".join(map(str, self.known.shape))
         return f"Survey({count} circuits of {self.extent}{where}{units})"
 

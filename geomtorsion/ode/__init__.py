@@ -18,10 +18,10 @@ from geomtorsion.ode.engines import Engine, RungeKutta, Stiff, Taylor
 from geomtorsion.ode.ensemble import Ensemble, solve_many
 from geomtorsion.ode.equation_files import is_equation_file, read_equations
 from geomtorsion.ode.fates import EndMap, end_map
-from geomtorsion.ode.files import SavedSolution
 from geomtorsion.ode.moment import Moment
 from geomtorsion.ode.problem import ODE
 from geomtorsion.ode.solution import Cost, Solution
+from geomtorsion.ode.solution_files import SavedSolution
 from geomtorsion.ode.solve import solve
 from geomtorsion.ode.system import Run, WorkLimitError
 from geomtorsion.ode.tables import Table

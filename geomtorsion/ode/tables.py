@@ -6,6 +6,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from os import PathLike
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import scipy  # loads its parts on first use
@@ -13,7 +14,6 @@ import sympy as sp
 
 from geomtorsion.errors import ExpressionError, FileFormatError
 from geomtorsion.ode.pieces import ends, joined
-from geomtorsion.ode.terms import expression
 from geomtorsion.support import checks
 from geomtorsion.support.caching import cached_property, read_only
 from geomtorsion.support.copies import content_hash, equal_content, only_fields
@@ -71,8 +71,8 @@ class Table:
 
         Examples
         --------
-        >>> Table.of([(0, 1), (1, 3)], "linear")(sp.Rational(1, 2))
-        2
+        >>> Table.of([(0, 1), (1, 3)], "linear")(0.5)
+        2.0
         """
         if isinstance(rows, str | PathLike):
             rows = _rows_of(Path(rows))
@@ -147,13 +147,39 @@ class Table:
                     raise ExpressionError(
                         f"table: expected one argument, got {len(places)}. Write F(t)."
                     )
-                return self(places[0])
+                return self._of(places[0])
 
         return Rows
 
-    def __call__(self, place: object) -> sp.Expr:
-        """The function of a number or an expression; its derivative is exact between the rows."""
-        term = place if isinstance(place, sp.Expr) else expression(place, "place", {})
+    def __call__(self, place: object) -> Any:
+        """The function of an expression, exact between the rows; of numbers, a float or an array.
+
+        Raises
+        ------
+        ExpressionError
+            a number is outside of a table that refuses it.
+
+        Examples
+        --------
+        >>> table = Table.of([(0, 1), (1, 3)], "linear")
+        >>> table(0.5), table(sp.Rational(1, 2)), table([0, 0.25]).tolist()
+        (2.0, 2, [1.0, 1.5])
+        """
+        if isinstance(place, sp.Expr):
+            return self._of(place)
+        numbers = checks.array(place, "place", ExpressionError)
+        low, high = self.places[[0, -1]].tolist()
+        outside = (numbers < low) | (numbers > high)
+        if self.outside == "refuse" and outside.any():
+            raise ExpressionError(
+                f"place: expected numbers from {low:.6g} to {high:.6g}, got "
+                f'{numbers[outside].ravel()[0]:.6g}. Give more rows, or outside="hold".'
+            )
+        values = [float(self._of(_exact(x))) for x in numbers.ravel()]
+        return np.reshape(values, numbers.shape) if numbers.ndim else values[0]
+
+    def _of(self, term: sp.Expr) -> sp.Expr:
+        """The function of an expression."""
         levels = [_exact(x) for x in self.places]
         rows = zip(levels, self._coefficients.T, strict=False)
         branches = [_polynomial(term - level, column) for level, column in rows]

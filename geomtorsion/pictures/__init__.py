@@ -16,6 +16,7 @@ from importlib import import_module
 from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
+    from geomtorsion.pictures.burgers_circuit import draw_burgers_circuit
     from geomtorsion.pictures.charges import draw_charge
     from geomtorsion.pictures.constraints import draw_constraints
     from geomtorsion.pictures.curve_files import curve_pictures
@@ -29,6 +30,7 @@ if TYPE_CHECKING:
     from geomtorsion.pictures.network import draw_dislocations, draw_lines, draw_network
     from geomtorsion.pictures.notebook_pictures import draw_plan
     from geomtorsion.pictures.orbits import draw_closed_orbit
+    from geomtorsion.pictures.parallelogram import draw_parallelogram
     from geomtorsion.pictures.particles import draw_particles
     from geomtorsion.pictures.prices import draw_price
     from geomtorsion.pictures.report import write_report
@@ -46,6 +48,7 @@ if TYPE_CHECKING:
 _HOMES = {
     "can_draw": "style",
     "curve_pictures": "curve_files",
+    "draw_burgers_circuit": "burgers_circuit",
     "draw_charge": "charges",
     "draw_circuits": "measured",
     "draw_closed_orbit": "orbits",
@@ -61,6 +64,7 @@ _HOMES = {
     "draw_loop": "loops",
     "draw_map": "loops",
     "draw_network": "network",
+    "draw_parallelogram": "parallelogram",
     "draw_particles": "particles",
     "draw_plan": "notebook_pictures",
     "draw_post_newtonian": "solar_system",
@@ -80,6 +84,7 @@ _HOMES = {
 __all__ = [
     "can_draw",
     "curve_pictures",
+    "draw_burgers_circuit",
     "draw_charge",
     "draw_circuits",
     "draw_closed_orbit",
@@ -95,6 +100,7 @@ __all__ = [
     "draw_loop",
     "draw_map",
     "draw_network",
+    "draw_parallelogram",
     "draw_particles",
     "draw_plan",
     "draw_post_newtonian",

@@ -127,9 +127,32 @@ def paths_picture(pair: Pair) -> Figure:
     shown: Axes | None = None
     for k, (paths, labels, title, equal) in enumerate(views):
         shown = _view(figure, (1, len(views), k + 1), paths, labels, title, equal)
+    lines = [*caption(pair), "Dot: start; square and triangle: ends."]
+    if embedding is not None and embedding.heading:
+        _draw_blades(figure.axes[0], pair)
+        lines.append("Bars: the blade or the wheels. A bar across its track slips sideways.")
     legend(figure, shown)
-    captioned(figure, [*caption(pair), "Dot: start; square and triangle: ends."])
+    captioned(figure, lines)
     return figure
+
+
+def _draw_blades(axes: Axes, pair: Pair) -> None:
+    """Bars along the blade at stations of both tracks, with a dot at the front."""
+    embedding = pair.embedding
+    assert embedding is not None
+    tracks = {
+        name: embedding.places(points, pair.parameters) for name, points in pair.coordinates.items()
+    }
+    length = 0.045 * float(np.ptp(np.concatenate(list(tracks.values())), axis=0).max())
+    for name, track in tracks.items():
+        stations = np.linspace(0, len(track) - 1, STYLE.stations).round().astype(int)
+        directions = embedding.headings(pair.coordinates[name][stations], pair.parameters)
+        bars = np.stack(
+            [track[stations] - length * directions, track[stations] + length * directions]
+        )
+        axes.plot(*bars.transpose(2, 0, 1), color=STROKES[name].color, linewidth=3.6, alpha=0.55)
+        axes.plot(*bars[1].T, "o", color=STROKES[name].color, markersize=3)
+    axes.set_aspect("equal", adjustable="datalim")
 
 
 def coordinates_picture(pair: Pair) -> Figure:

@@ -46,8 +46,8 @@ def draw_closure(b: BurgersVector) -> Figure:
     drawn = hodograph(b)
     figure = new_figure(9.6, 4.6)
     names = [latex(symbol) for symbol in b.frame.coordinates]
-    _draw_path(_axes(figure, 121, drawn.path), drawn.path, drawn.centre, drawn.unit, names)
-    _draw_image(_axes(figure, 122, drawn.image), drawn, b)
+    _draw_path(panel(figure, 121, drawn.path), drawn.path, drawn.centre, drawn.unit, names)
+    _draw_image(panel(figure, 122, drawn.image), drawn, b)
     return figure
 
 
@@ -72,11 +72,11 @@ def draw_loop(loop: Loop, names: Sequence[str] | None = None) -> Figure:
     figure = new_figure(4.8, 4.6)
     symbols = [f"q^{{{k + 1}}}" for k in range(loop.dimension)]
     labels = symbols if names is None else [latex(Symbol(name)) for name in names]
-    _draw_path(_axes(figure, 111, path), path, loop.centre, unit, labels)
+    _draw_path(panel(figure, 111, path), path, loop.centre, unit, labels)
     return figure
 
 
-def _extents(points: np.ndarray) -> list[int]:
+def extents(points: np.ndarray) -> list[int]:
     """The two or three directions in which there is something to see, in order."""
     widths = np.ptp(points, axis=1)
     wide = [int(k) for k in np.argsort(-widths, kind="stable") if widths[k] > FLAT * widths.max()]
@@ -87,9 +87,9 @@ def _extents(points: np.ndarray) -> list[int]:
     return sorted(chosen)
 
 
-def _axes(figure: Figure, place: int, points: np.ndarray) -> Axes:
+def panel(figure: Figure, place: int, points: np.ndarray) -> Axes:
     """Axes in two or three dimensions, as the points need."""
-    if len(_extents(points)) > 2:
+    if len(extents(points)) > 2:
         import_module("mpl_toolkits.mplot3d")
         axes = figure.add_subplot(place, projection="3d")
         axes.view_init(elev=24, azim=-60)
@@ -112,14 +112,14 @@ def _draw_path(
     axes: Axes, path: np.ndarray, centre: Sequence[float], unit: str, names: Sequence[str]
 ) -> None:
     """The loop in coordinates, with its base point and its sense."""
-    chosen = _extents(path)
+    chosen = extents(path)
     points = path[chosen]
     axes.plot(*points, color=PATH, linewidth=2)
     if len(points) == 2:
         sense(axes, points, PATH)
     axes.plot(*points[:, :1], "o", color=START, markersize=5)
     labels = [_offset_label(names[k], centre[k], unit) for k in chosen]
-    _label(axes, labels)
+    label(axes, labels)
     axes.set_title("the loop, in coordinates: closed", fontsize=11)
 
 
@@ -143,7 +143,7 @@ def _power(value: float) -> str:
 
 def _draw_image(axes: Axes, drawn: Hodograph, b: BurgersVector) -> None:
     """The image in the frame, and the gap as an arrow from its start to its end."""
-    chosen = _extents(drawn.image)
+    chosen = extents(drawn.image)
     points = drawn.image[chosen]
     axes.plot(*points, color=IMAGE, linewidth=2)
     if len(points) == 2:
@@ -159,13 +159,13 @@ def _draw_image(axes: Axes, drawn: Hodograph, b: BurgersVector) -> None:
         write: Any = axes.text
         write(*(start + 0.55 * step), "  b", color=GAP, fontsize=13, va="bottom")
     axes.plot(*points[:, :1], "o", color=START, markersize=5)
-    _label(axes, [f"$X^{k + 1}${_over(drawn.unit)}" for k in chosen])
+    label(axes, [f"$X^{k + 1}${_over(drawn.unit)}" for k in chosen])
     size = f"|b| = {measured_text(b.magnitude, 0.0 if b.vanishes else b.error)}"
     grown = "" if drawn.magnified == 1 else f", gap enlarged {_power(drawn.magnified)} times"
     axes.set_title(f"its image in the frame{grown}\n{size}", fontsize=11, color=START)
 
 
-def _label(axes: Axes, labels: list[str]) -> None:
+def label(axes: Axes, labels: list[str]) -> None:
     """Names of the axes."""
     for name, label in zip("xyz", labels, strict=False):
         getattr(axes, f"set_{name}label")(label)

@@ -339,6 +339,8 @@ def _said(survey: Survey, layer: int, *, has_arrows: bool) -> list[str]:
             "it in 0.1 %)."
         )
     ]
+    if survey.replaced:
+        lines.append(f"Circuits: {survey.replaced}.")
     if count < mask.size:
         lines.append(f"Grey: {count_text(mask.size - count, 'circuit')} {survey.missing}.")
     if count:

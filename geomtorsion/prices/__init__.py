@@ -1,8 +1,16 @@
 """Prices: what digits, certainty and effects of any result cost, and which of them it needs."""
 
-from geomtorsion.prices.effect_budget import EffectBudget, EffectInfluence
-from geomtorsion.prices.effect_choice import Composite, Trial, choose
-from geomtorsion.prices.effects import HasEffects, called_for
+from geomtorsion.prices.effects.called_for import HasEffects, called_for
+from geomtorsion.prices.effects.effect_budget import EffectBudget, EffectInfluence
+from geomtorsion.prices.effects.effect_choice import Composite, Trial, choose
+from geomtorsion.prices.effects.passed_over import passed_over
+from geomtorsion.prices.effects.sensitivity import (
+    Sensitivity,
+    beside,
+    growth,
+    moved,
+    relative_changes,
+)
 from geomtorsion.prices.measuring import price
 from geomtorsion.prices.motions import Truth, motion_offer, tabulated, truth_of
 from geomtorsion.prices.offer import (
@@ -15,9 +23,7 @@ from geomtorsion.prices.offer import (
     Request,
     Way,
 )
-from geomtorsion.prices.passed_over import passed_over
 from geomtorsion.prices.price_list import PriceList, PriceRow
-from geomtorsion.prices.sensitivity import Sensitivity, beside, growth, moved, relative_changes
 
 __all__ = [
     "ACCURACIES",

@@ -15,7 +15,7 @@ from geomtorsion.codegen.steps import Builder
 from geomtorsion.errors import ProofError
 from geomtorsion.geometry.derived import derived
 from geomtorsion.ode.system import System
-from geomtorsion.proofs.loops import Coframe, check_path, values_of
+from geomtorsion.proofs.arc_integrals import Coframe, check_path, values_of
 from geomtorsion.proofs.motions import Leg, RefusalError, follow
 from geomtorsion.proofs.paths import BallArc, S, arcs_of
 from geomtorsion.proofs.series import BallSystem

@@ -19,7 +19,7 @@ from geomtorsion.codegen.balls import exact_ball, integral
 from geomtorsion.errors import ProofError
 from geomtorsion.loops.arcs import Arc, Ellipse, Part, Segment, shown
 from geomtorsion.loops.interpolants import Interpolant
-from geomtorsion.proofs.loops import Integrals, missing_bits
+from geomtorsion.proofs.arc_integrals import Integrals, missing_bits
 from geomtorsion.proofs.paths import BallArc, arc_in_balls, ellipse_vectors, segment_ends
 from geomtorsion.proofs.wanted import MOST_BITS, SPARE, Wanted
 from geomtorsion.support.allowance import check_limits

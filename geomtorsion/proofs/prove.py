@@ -16,6 +16,7 @@ from geomtorsion.errors import ArgumentError, ProofError, TimeError, UnknownName
 from geomtorsion.loops import BurgersVector, Development, HasInterpolant
 from geomtorsion.ode import Solution, solution
 from geomtorsion.ode.derivatives import derivative_name
+from geomtorsion.proofs.arc_integrals import proved_integrals
 from geomtorsion.proofs.arguments import (
     checked_balls,
     checked_derivatives,
@@ -24,7 +25,6 @@ from geomtorsion.proofs.arguments import (
 )
 from geomtorsion.proofs.developments import proved_development
 from geomtorsion.proofs.interpolants import proved_interpolant
-from geomtorsion.proofs.loops import proved_integrals
 from geomtorsion.proofs.packing import WithBalls
 from geomtorsion.proofs.solutions import SolutionTask
 from geomtorsion.proofs.wanted import Wanted, upper_float

@@ -13,9 +13,9 @@ import sympy as sp
 from geomtorsion.errors import ArgumentError, CoordinateError, UnknownNameError
 from geomtorsion.geometry import Frame, levi_civita
 from geomtorsion.ode import ODE, solve
+from geomtorsion.same.invariant_values import Evaluation
 from geomtorsion.same.invariants import Invariants
 from geomtorsion.same.matching import WORKING, Match
-from geomtorsion.same.values import Evaluation
 from geomtorsion.support import checks
 from geomtorsion.support.caching import cached_property
 

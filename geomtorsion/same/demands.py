@@ -8,8 +8,8 @@ from itertools import islice
 import numpy as np
 import scipy  # loads its subpackages at first use
 
+from geomtorsion.same.invariant_values import ROUNDING, Array, Evaluation, Values
 from geomtorsion.same.invariants import Invariants
-from geomtorsion.same.values import ROUNDING, Array, Evaluation, Values
 from geomtorsion.support.caching import cached_property
 from geomtorsion.support.precision import EPS
 

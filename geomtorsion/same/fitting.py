@@ -9,9 +9,9 @@ import numpy as np
 import sympy as sp
 
 from geomtorsion.same.demands import ALIKE, Demands, best_starts
+from geomtorsion.same.invariant_values import Array, Evaluation
 from geomtorsion.same.invariants import Invariants
 from geomtorsion.same.matching import coordinate_bounds, floats
-from geomtorsion.same.values import Array, Evaluation
 from geomtorsion.support.allowance import check_limits
 
 # A parameter that may change by this factor without effect is zero, infinite or free.

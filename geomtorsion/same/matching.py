@@ -12,8 +12,8 @@ import sympy as sp
 
 from geomtorsion.geometry import Frame
 from geomtorsion.same.demands import ALIKE, Demands, best_starts, least_squares
+from geomtorsion.same.invariant_values import Array, Evaluation, Values, generators
 from geomtorsion.same.invariants import Invariants
-from geomtorsion.same.values import Array, Evaluation, Values, generators
 from geomtorsion.support.allowance import check_limits
 from geomtorsion.support.caching import cached_property
 from geomtorsion.support.precision import working_digits

@@ -7,9 +7,9 @@ from itertools import islice, permutations
 import mpmath
 import numpy as np
 
+from geomtorsion.same.invariant_values import Array, Evaluation
 from geomtorsion.same.invariants import Invariants
 from geomtorsion.same.matching import DIGITS
-from geomtorsion.same.values import Array, Evaluation
 from geomtorsion.support.precision import working_digits
 
 # Matrices whose entries are smaller than half of the digits vanish.

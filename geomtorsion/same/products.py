@@ -11,9 +11,9 @@ import sympy as sp
 
 from geomtorsion.errors import SingularPointError
 from geomtorsion.geometry import levi_civita
+from geomtorsion.same.invariant_values import ROUNDING, Array
 from geomtorsion.same.invariants import Invariants
 from geomtorsion.same.scalars import is_constant
-from geomtorsion.same.values import ROUNDING, Array
 
 
 @dataclass(frozen=True)

@@ -7,11 +7,11 @@ one way: scene, sweep, solve, result. The imports in the other direction are onl
 
 from geomtorsion.scenes import effects
 from geomtorsion.scenes.body import Body
-from geomtorsion.scenes.files import read_file
 from geomtorsion.scenes.magnitudes import Magnitude, Magnitudes
 from geomtorsion.scenes.result import SceneResult
 from geomtorsion.scenes.saving import to_toml, write_file
 from geomtorsion.scenes.scene import Scene, SceneCost
+from geomtorsion.scenes.scene_files import read_file
 from geomtorsion.scenes.selection import StateSelection
 from geomtorsion.scenes.shipped import load, names
 from geomtorsion.scenes.state import State

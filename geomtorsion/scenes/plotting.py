@@ -16,6 +16,7 @@ from geomtorsion.pictures.scene_attitude import (
     cones_picture,
     path_picture,
 )
+from geomtorsion.pictures.scene_cones import rolling_picture
 from geomtorsion.pictures.scene_over_time import change_picture, trust_picture, watched_picture
 from geomtorsion.pictures.style import FLAT, number, save
 from geomtorsion.scenes.observables import FINE
@@ -64,6 +65,8 @@ def drawings(result: SceneResult) -> dict[str, tuple[Draw, str]]:
         shown["attitude"] = (attitude, "The axes of the body in space.")
     if scene is not None and scene.body.moments is not None and _turns(values.get("omega")):
         shown["cones"] = (cones, "How the body turns, seen from itself and from space.")
+        if "matrix" in values:
+            shown["rolling"] = (rolling, "The cone of the body rolls on the cone of space.")
     if "position" in values:
         shown["path"] = (path_in_space, "The path in space.")
     if scene is not None and LAWS & set(scene.keyed):
@@ -139,6 +142,12 @@ def cones(result: SceneResult) -> Figure:
     _, omega, matrix = finely(result, "omega", "matrix")
     turned = None if matrix is None else matrix.reshape(-1, 3, 3)
     return cones_picture(moments, omega, turned, result.title, notes_of(result))
+
+
+def rolling(result: SceneResult) -> Figure:
+    """The cone of the body on the cone of space."""
+    _, omega, matrix = finely(result, "omega", "matrix")
+    return rolling_picture(omega, matrix.reshape(-1, 3, 3), result.title, notes_of(result))
 
 
 def path_in_space(result: SceneResult) -> Figure:

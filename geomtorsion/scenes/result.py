@@ -244,7 +244,8 @@ class SceneResult:
         """A figure of the outputs over time; written to `path` (png, svg, pdf) if given.
 
         figure: another figure that these outputs have: "attitude" shows the axes of the body in
-        space and needs the output "matrix"; "axis", "cones", "path", "laws", "trust", "plan".
+        space and needs the output "matrix"; "axis", "cones", "rolling", "path", "laws", "trust",
+        "plan".
 
         Raises
         ------

@@ -18,10 +18,10 @@ from geomtorsion.errors import FileFormatError, SceneError
 from geomtorsion.pictures import style as pictures
 from geomtorsion.pictures.scene_film import block_sides, write_film
 from geomtorsion.pictures.style import save
-from geomtorsion.scenes.files import START_UNITS
 from geomtorsion.scenes.observables import FINE
 from geomtorsion.scenes.plotting import drawings
 from geomtorsion.scenes.scene import Scene
+from geomtorsion.scenes.scene_files import START_UNITS
 from geomtorsion.scenes.state import State
 from geomtorsion.support.csv_table import write_csv
 from geomtorsion.support.files import write_text, written

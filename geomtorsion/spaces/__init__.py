@@ -4,9 +4,9 @@ from importlib import import_module
 from typing import TYPE_CHECKING
 
 from geomtorsion.spaces.checking import disagreements
-from geomtorsion.spaces.files import read_file
 from geomtorsion.spaces.registry import load, names, shipped_space, titles
 from geomtorsion.spaces.space import KnownAnswer, Space
+from geomtorsion.spaces.tetrad_files import read_file
 
 if TYPE_CHECKING:
     from geomtorsion.spaces import first_motion

@@ -125,11 +125,12 @@ def _space(
 
 
 def _track(frame: Frame) -> Embedding:
-    """The track on the ground."""
+    """The track on the ground, and the direction of the blade or the wheels."""
     return Embedding(
         frame.coordinates,
         place=(x, y),
         axes=("x", "y"),
+        heading=(cos(theta), sin(theta)),
         isometric=False,
         title="the track on the ground",
     )

@@ -28,6 +28,7 @@ class Embedding:
     place: two or three expressions, a point of the plane or of space; empty if there is none.
     axes: names of the axes in which the place is drawn.
     attitude: rotation matrix, body to space, columns are the body's axes; None if there is none.
+    heading: two expressions, the direction in the plane of a blade or a wheel; empty if none.
     isometric: whether lengths in the picture are lengths in the metric.
     title: what the picture shows.
 
@@ -44,6 +45,7 @@ class Embedding:
     place: tuple[sp.Expr, ...] = ()
     axes: tuple[str, ...] = ()
     attitude: sp.Matrix | None = None
+    heading: tuple[sp.Expr, ...] = ()
     isometric: bool = True
     title: str = ""
 
@@ -55,6 +57,10 @@ class Embedding:
         """Attitudes of many points: coordinates (m, n) give an array (m, 3, 3)."""
         return self._many(self._attitude, coordinates, parameters).reshape(-1, 3, 3)
 
+    def headings(self, coordinates: Any, parameters: Mapping[str, float]) -> Any:
+        """Directions of the blade at many points: coordinates (m, n) give an array (m, 2)."""
+        return self._many(self._heading, coordinates, parameters)
+
     def _many(self, function: Callable[..., Any], points: Any, parameters: Mapping) -> Any:
         columns = np.asarray(points, dtype=float).T
         for parameter in self.parameters:
@@ -64,6 +70,10 @@ class Embedding:
     @cached_property
     def _place(self) -> Callable[..., Any]:
         return self._compiled(self.place)
+
+    @cached_property
+    def _heading(self) -> Callable[..., Any]:
+        return self._compiled(self.heading)
 
     @cached_property
     def _attitude(self) -> Callable[..., Any]:

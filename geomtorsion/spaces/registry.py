@@ -9,7 +9,7 @@ from os import PathLike
 from typing import TYPE_CHECKING, NamedTuple
 
 from geomtorsion.errors import UnknownNameError
-from geomtorsion.spaces.files import read_file
+from geomtorsion.spaces.tetrad_files import read_file
 from geomtorsion.support.checks import close_names, shown
 
 if TYPE_CHECKING:

@@ -20,6 +20,9 @@ ASSUMPTIONS = (
 )  # fmt: skip
 _NAME = re.compile(r"[^\W0-9]\w*")
 
+# What errors advise about a name that a file does not declare.
+DECLARE = 'Otherwise declare it in the file: parameters = ["{name}"].'
+
 # As TOML writes them.
 FLAG = "true or false"
 
@@ -55,7 +58,9 @@ class Vocabulary:
             return sympy.Integer(value)
         if isinstance(value, str):
             where = f"{self.file}: {place}"
-            return parse_expression(value, self.symbols, self.functions, where=where)
+            return parse_expression(
+                value, self.symbols, self.functions, where=where, unknown=DECLARE
+            )
         raise FileFormatError(
             f"{self.file}: {place}: expected an integer or an expression in quotes, got "
             f'{_kind(value)}. Write for instance "r*sin(theta)".'

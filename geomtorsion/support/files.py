@@ -166,6 +166,14 @@ class _Unpacked(io.RawIOBase):
         return len(content)
 
 
+def check_file(path: Path) -> None:
+    """Refuse a path at which there is no file."""
+    if path.is_dir():
+        raise FileFormatError(f"{path}: expected a file, got a folder. Give one of its files.")
+    if not path.is_file():
+        raise FileFormatError(f"{path}: there is no such file.")
+
+
 @contextmanager
 def opened(path: str | PathLike[str]) -> Iterator[BinaryIO]:
     """The bytes of a file, unpacked where it is packed by gzip or bzip2.

@@ -23,11 +23,13 @@ __all__ = [
     "Texts",
     "argument_of",
     "code_of",
+    "is_complete",
     "language_name",
     "languages",
     "placeholders",
     "texts",
     "texts_of",
+    "untranslated",
 ]
 
 ENGLISH = "en"
@@ -197,6 +199,38 @@ def languages() -> tuple[str, ...]:
     """
     own = sorted(path.name for path in FOLDER.iterdir() if path.is_dir())
     return (ENGLISH, *(name for name in own if name != ENGLISH))
+
+
+def is_complete(language: Language) -> bool:
+    """Whether a language promises, in its file language.toml, that none of its texts is English.
+
+    Examples
+    --------
+    >>> is_complete("de"), is_complete("fr")
+    (True, False)
+    """
+    text = texts("language", "language", language_name(language))
+    return text.translated and text("complete") == "yes"
+
+
+def untranslated(language: Language) -> tuple[str, ...]:
+    """The tables of texts that a language lacks and shows in English.
+
+    Examples
+    --------
+    >>> untranslated("de"), untranslated("fr")[0]
+    ((), 'closure.toml [circle]')
+    """
+    name = language_name(language)
+    if name == ENGLISH:
+        return ()
+    lacking: list[str] = []
+    for path in sorted((FOLDER / ENGLISH).glob("*.toml")):
+        own = _read(path.stem, name)
+        missing = set(_english(path.stem)[1]) - set(own[1] if own else ())
+        tables = (f"[{heading}]" if heading else "title" for heading in sorted(missing))
+        lacking += [f"{path.name} {table}" for table in tables]
+    return tuple(lacking)
 
 
 def language_name(language: Language) -> str:

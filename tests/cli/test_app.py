@@ -41,8 +41,11 @@ def test_every_command_explains_itself(group, name):
 def test_a_wrong_name_is_refused():
     """The message suggests the right name."""
     error = run("geometri", "so3", code=2).stderr
-    assert "No such command 'geometri'" in error
-    assert "geometry" in error
+    assert "No such command 'geometri'. Did you mean 'geometry'?" in error
+    # A subject is answered with the command whose line in the help names it.
+    error = CliRunner().invoke(app, ["torsion"]).stderr
+    assert "Did you mean 'geometry'?" in error
+    assert "Did you mean" not in CliRunner().invoke(app, ["t"]).stderr
 
 
 def test_help_lists_the_commands_in_groups():

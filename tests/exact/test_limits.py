@@ -13,7 +13,7 @@ from geomtorsion.exact import Field
 from geomtorsion.exact.limits import check_power
 from geomtorsion.exact.writing import shortest
 from geomtorsion.geometry import Frame, levi_civita
-from geomtorsion.spaces.files import read_file
+from geomtorsion.spaces.tetrad_files import read_file
 
 # Each took from twenty seconds to hours, in reading, in writing or in derived quantities.
 ENDLESS = {

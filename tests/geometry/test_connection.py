@@ -152,3 +152,15 @@ def test_the_first_component_in_doubt_is_named() -> None:
         gamma = from_coefficients(plane, [[[airy, 0], [0, 0]], [[0, 0], [0, last]]])
         check = identities(gamma)[0]
         assert (check.name, check.holds, check.worst) == ("metricity", holds, worst)
+
+
+def test_printed_components_are_those_by_index():
+    """The printed S_ab^c of a polar frame, and the curvature of a sphere, by index."""
+    polar = Frame("r phi", [["1", "0"], ["0", "r"]])
+    torsion = cartan(polar).torsion
+    assert torsion[0, 1, 1] == torsion.S[0, 1, 1] == torsion["r", "phi", "phi"]
+    assert repr(torsion).splitlines()[1].strip() == f"S[0, 1, 1] = {torsion[0, 1, 1]}"
+    sphere = Frame("theta phi", [["1", "0"], ["0", "sin(theta)"]])
+    curvature = levi_civita(sphere).curvature
+    assert curvature[0, 1, 0, 1] == curvature.riemann[0, 1, 0, 1] == -1
+    assert len(list(curvature)) == 2

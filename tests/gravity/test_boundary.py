@@ -12,7 +12,7 @@ from scipy.optimize import brentq
 import geomtorsion as gt
 from geomtorsion import gravity as g
 from geomtorsion.errors import ArgumentError, EndpointError, GeomtorsionError, GravityError
-from geomtorsion.gravity.fluids import Fluid
+from geomtorsion.gravity.theory.fluids import Fluid
 
 T, R, X, Y, Z, THETA, PHI = sp.symbols("t r x y z theta varphi")
 LORENTZ = (-1, 1, 1, 1)

@@ -12,7 +12,7 @@ from scipy.optimize import brentq
 import geomtorsion as gt
 from geomtorsion import gravity as g
 from geomtorsion.errors import GeomtorsionError, GravityError, StartError
-from geomtorsion.gravity.fluids import Fluid
+from geomtorsion.gravity.theory.fluids import Fluid
 
 T, R, X, Y, Z, THETA, PHI = sp.symbols("t r x y z theta phi")
 LORENTZ = (-1, 1, 1, 1)
@@ -579,3 +579,15 @@ def test_a_branch_that_leaves_a_function_free_is_named() -> None:
     reduced = g.equations(hole(*LAPSE_AND_ROOT, 5), "GB").reduce("r")
     assert [one.vanishing for one in reduced.branches] == [()]
     assert reduced.open_factors == ("h - 1",)
+
+
+def test_the_only_variable_may_be_omitted():
+    """Functions of t are reduced over t; without functions the refusal names a coordinate."""
+    matter = gt.gravity.fluid("rho(t)", "0")
+    cosmos = gt.gravity.equations(gt.levi_civita("frw"), "R/2", matter)
+    assert cosmos.reduce().rates == cosmos.reduce("t").rates
+    hole = gt.gravity.equations(gt.levi_civita("schwarzschild"), "R/2")
+    with pytest.raises(GravityError, match="expected an unknown function of t"):
+        hole.reduce()
+    with pytest.raises(GravityError, match=r"Give cartan\(frame\) or levi_civita\(frame\)"):
+        gt.gravity.equations(gt.spaces.load("schwarzschild").frame, "R/2")

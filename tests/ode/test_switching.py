@@ -381,6 +381,9 @@ def test_the_accumulation_of_bounces_is_reported_at_its_time():
 F = {"F": gt.Table.of([(0, 1), (1, 2)])}
 REFUSED = {
     "one row": (lambda: gt.Table.of([(0, 1)]), ExpressionError, "two rows"),
+    "a number outside": (
+        lambda: gt.Table.of([(0, 1), (1, 2)])(1.5), ExpressionError, "from 0 to 1, got 1.5",
+    ),
     "equal places": (lambda: gt.Table.of([(0, 1), (0, 2)]), ExpressionError, "increasing"),
     "not a number": (lambda: gt.Table.of([(0, 1), (1, math.nan)]), ExpressionError, "finite"),
     "three columns": (lambda: gt.Table.of([(0, 1, 2), (1, 2, 3)]), ExpressionError, "rows"),

@@ -8,7 +8,7 @@ from flint import arb
 
 import geomtorsion as gt
 from geomtorsion.errors import ProofError
-from geomtorsion.proofs import loops
+from geomtorsion.proofs import arc_integrals
 from geomtorsion.proofs.paths import arcs_of, spline_coefficients
 from geomtorsion.proofs.wanted import Wanted
 from geomtorsion.support.precision import ball_precision
@@ -24,7 +24,9 @@ HALF = gt.Frame([U, V], [[1, 0], [sp.sqrt(U**2), 1]], domain=[U > 0])
 
 def proved(frame, loop, digits=15, **parameters):
     """Integrals in balls."""
-    return loops.proved_integrals(frame, loop, parameters, Wanted.of(digits, arb(0), arb(1))).balls
+    return arc_integrals.proved_integrals(
+        frame, loop, parameters, Wanted.of(digits, arb(0), arb(1))
+    ).balls
 
 
 def test_known_integrals():
@@ -74,7 +76,7 @@ def test_a_branch_that_is_left_is_refused(monkeypatch):
     with pytest.raises(ProofError, match="leaves the domain near"):
         proved(HALF, over)
     slope = gt.Frame([U, V], [[1, 0], [V * sp.sqrt(U**2), 1]], domain=[U > 0])
-    monkeypatch.setattr(loops, "check_path", lambda *_: None)
+    monkeypatch.setattr(arc_integrals, "check_path", lambda *_: None)
     # The integral of y x dx is minus the integral of x over the disk; y |x| dx gives less.
     assert proved(slope, over)[1].overlaps(-arb.pi() / 4)
 
@@ -201,11 +203,11 @@ def test_an_integrand_is_analytic_on_its_ellipses(monkeypatch):
         # Along y = 1 from 1 to 4; the other sides have y = 0 or dx = 0.
         truth = arb(14) / 3
     assert proved(frame, loop)[1].overlaps(truth)
-    plain = loops._integrand
+    plain = arc_integrals._integrand
 
     def unflagged(*arguments):
         function = plain(*arguments)
         return lambda s, analytic: function(s, False)
 
-    monkeypatch.setattr(loops, "_integrand", unflagged)
+    monkeypatch.setattr(arc_integrals, "_integrand", unflagged)
     assert not proved(frame, loop)[1].overlaps(truth)

@@ -14,7 +14,7 @@ from flint import arb
 
 import geomtorsion as gt
 from geomtorsion.errors import ArgumentError, ProofError, ShapeError, UnknownNameError
-from geomtorsion.proofs import loops, motions
+from geomtorsion.proofs import arc_integrals, motions
 from geomtorsion.support import allowance
 from geomtorsion.support.precision import ball_precision
 from tests.ode.engines import needs_heyoka
@@ -416,6 +416,6 @@ def test_a_raise_inside_an_integral_comes_out(monkeypatch):
 
         return raising
 
-    monkeypatch.setattr(loops, "_integrand", integrand)
+    monkeypatch.setattr(arc_integrals, "_integrand", integrand)
     with pytest.raises(ZeroDivisionError, match="inside"):
         gt.prove(B)

@@ -9,7 +9,7 @@ from flint import arb, arb_mat, fmpq
 
 from geomtorsion.codegen import graph
 from geomtorsion.codegen.balls import BallCode
-from geomtorsion.proofs import charts, loops
+from geomtorsion.proofs import arc_integrals, charts
 from geomtorsion.proofs.events import Fall
 from geomtorsion.proofs.motions import Leg, RefusalError, follow
 from geomtorsion.proofs.sets import LohnerSet
@@ -118,5 +118,7 @@ def test_a_chart_is_left_within_a_step(edge, is_inside):
 )
 def test_a_branch_is_decided_only_by_its_balls(positive, balls, verdict):
     """A sign, or two roots that are equal and not opposite; None where balls do not decide."""
-    condition = loops._Condition("", "", positive, BallCode(graph(["x"], [X], factor=False)))
-    assert loops._holds(condition, balls) is verdict
+    condition = arc_integrals._Condition(
+        "", "", positive, BallCode(graph(["x"], [X], factor=False))
+    )
+    assert arc_integrals._holds(condition, balls) is verdict

@@ -5,7 +5,7 @@ import random
 import pytest
 
 from geomtorsion.errors import GeomtorsionError
-from geomtorsion.scenes.files import scene_from
+from geomtorsion.scenes.scene_files import scene_from
 from geomtorsion.scenes.shipped import names, path_of
 from geomtorsion.support.files import read_toml_text
 

@@ -8,8 +8,8 @@ import sympy as sp
 
 from geomtorsion.errors import FileFormatError, GeomtorsionError, StartError, UnknownNameError
 from geomtorsion.scenes import Body, Scene, State, effects, load, names, read_file, to_toml
-from geomtorsion.scenes.files import scene_from
 from geomtorsion.scenes.saving import write_file
+from geomtorsion.scenes.scene_files import scene_from
 from geomtorsion.scenes.shipped import described
 from geomtorsion.support.files import read_toml_text
 

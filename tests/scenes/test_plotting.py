@@ -17,8 +17,8 @@ pytest.importorskip("matplotlib")
 
 ALBUMS = {
     "lagrange_cusp": ["watched", "axis", "trust", "plan"],
-    "dzhanibekov": ["watched", "attitude", "cones", "trust", "plan"],
-    "thrown_body": ["watched", "attitude", "cones", "path", "trust", "plan"],
+    "dzhanibekov": ["watched", "attitude", "cones", "rolling", "trust", "plan"],
+    "thrown_body": ["watched", "attitude", "cones", "rolling", "path", "trust", "plan"],
     "helix": ["watched", "attitude", "path", "laws", "trust", "plan"],
     "naive_top": ["watched", "attitude", "laws", "trust", "plan"],
 }

@@ -32,7 +32,7 @@ TASKS = (
 )  # fmt: skip
 OTHERS = (
     "index", "api/index", "genindex", "gallery/index", "conventions", "errors", "comparison",
-    "design", "cite", "contribute", "licences", "claims", "lesson", "howto/commands",
+    "design", "changes", "cite", "contribute", "licences", "claims", "lesson", "howto/commands",
     "howto/large_tensors", "howto/measured_fields", "howto/dislocation_lines", "howto/scene_file",
     "howto/action",
 )  # fmt: skip
@@ -69,6 +69,24 @@ def test_home_shows_the_page_of_a_class(built):
     assert [kind for kind, _ in said] == ["wrong", "right"]
     assert "The sign is wrong." in shown
     assert 'value="-cos(phi2)/sin(phi2)"' in shown
+
+
+def test_home_shows_python_subjects_and_news(built):
+    """Code with its result, a card of one sentence for each subject, and five lines of news."""
+    text = (built / "index.html").read_text("utf-8")
+    python = text.split('id="three-lines-of-python"')[1].split("</section>")[0]
+    assert len(re.findall(r'<div class="cell_input', python)) == 2
+    assert "b2 = 3.14159265359" in python  # the area of the loop, by Stokes' theorem
+    cards = re.findall(r'<div class="card docutils container">(.*?)</div>', text, re.DOTALL)
+    assert len(cards) >= 6
+    for card in cards:
+        title, sentence = re.findall(r"<p>(.*?)</p>", card, re.DOTALL)
+        assert 'href="' in title
+        assert re.fullmatch(r"[A-Z][^.]*\.", sentence, re.DOTALL), sentence
+    news = text.split('id="whats-new"')[1].split("</section>")[0]
+    assert news.count("<li>") == 5
+    assert 'href="changes.html"' in news
+    assert "Unreleased" in (built / "changes.html").read_text("utf-8")
 
 
 def test_pages_that_errors_name_are_there(built):

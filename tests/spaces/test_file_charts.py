@@ -10,7 +10,7 @@ from geomtorsion.curves.atlas import atlas_of
 from geomtorsion.errors import FileFormatError
 from geomtorsion.geometry import cartan
 from geomtorsion.ode import solve
-from geomtorsion.spaces.files import read_file
+from geomtorsion.spaces.tetrad_files import read_file
 from tests.ode.engines import every_engine
 
 PLANE = """

@@ -16,7 +16,7 @@ from typer.testing import CliRunner
 import geomtorsion as gt
 from geomtorsion.cli.app import app
 from geomtorsion.pictures.latex import latex_name
-from geomtorsion.spaces.files import read_file
+from geomtorsion.spaces.tetrad_files import read_file
 from geomtorsion.support.csv_table import write_csv
 from geomtorsion.support.files import finite_number
 from geomtorsion.support.outgoing import csv_cell

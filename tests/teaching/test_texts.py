@@ -8,6 +8,7 @@ import pickle
 import subprocess
 import sys
 from collections.abc import Callable, Iterator
+from html import escape
 from pathlib import Path
 from typing import Any
 
@@ -95,7 +96,7 @@ def test_bad_texts_are_refused(folder: Path, old: str, new: str, words: str, pla
 @pytest.mark.parametrize(
     ("language", "words"),
     [
-        ("fr", "expected en, de or a folder with texts, got 'fr'"),
+        ("it", "expected en, de, fr or a folder with texts, got 'it'"),
         ("dee", "Did you mean de?"),
         (3, "language: expected the name of a file, got 3"),
         (None, "language: expected the name of a file, got None"),
@@ -318,15 +319,16 @@ def test_german_messages():
 
 def test_an_untranslated_exercise_is_english_with_a_note():
     """The note is in the requested language; so are the messages."""
-    exercise = exercises.load("2.1", language="de")
-    english = exercises.load("2.1")
-    note = "Diese Aufgabe ist noch nicht übersetzt. Ihr Text ist englisch."
+    exercise = exercises.load("4.3", language="fr")
+    english = exercises.load("4.3")
+    note = "Cet exercice n'est pas encore traduit. Son texte est en anglais."
     assert (exercise.note, english.note) == (note, "")
     assert exercise.statement == english.statement
-    assert note in exercise._repr_html_()
+    assert escape(note) in exercise._repr_html_()
     assert note in exercise._repr_markdown_()
-    assert note not in english._repr_html_()
-    assert exercise.check("1,2,2 = 1/r")["connection"].message == "Richtig."
+    assert escape(note) not in english._repr_html_()
+    right = exercise.answers()["equations"]
+    assert exercise.check(right)["equations"].message == "Juste."
 
 
 def test_a_folder_of_ones_own(folder: Path):
@@ -385,7 +387,7 @@ def test_german_on_the_command_line():
     shown = run("exercises", "show", "1.1", "--language", "de").stdout
     assert "Bestimme die Matrix" in shown
     assert "hint 1.1 --language de`" in shown
-    assert "noch nicht übersetzt" in run("exercises", "hint", "2.1", "--language", "de").stdout
+    assert "pas encore traduit" in run("exercises", "hint", "3.1", "--language", "fr").stdout
     solved = run("exercises", "solution", "1.1", "--language", "de").stdout
     assert "Teile durch die Determinante" in solved
     checked = run("exercises", "check", "1.1", "[[1,0],[0,1]]", "--language", "de", code=1).stdout
@@ -398,4 +400,4 @@ def test_a_served_page_takes_no_folder(folder: Path):
     """A served page takes a language of the package only, since its address names it."""
     (folder / "frames.toml").write_text(FRAMES, "utf-8")
     wrong = run("lab", "--language", str(folder), code=2)
-    assert "language: expected one of en, de" in wrong.stderr
+    assert "language: expected one of en, de, fr" in wrong.stderr

@@ -11,7 +11,7 @@ import sympy as sp
 import typer
 
 from geomtorsion.cli.exits import ExitCode
-from geomtorsion.cli.loops import LoopFiles, Texts, files_of_loops, named_loop, typed_loop
+from geomtorsion.cli.loop_sources import LoopFiles, Texts, files_of_loops, named_loop, typed_loop
 from geomtorsion.cli.options import Form, Proved, SpaceOrFile, directory, option
 from geomtorsion.cli.sources import open_space
 from geomtorsion.cli.terminal import working

@@ -7,7 +7,7 @@ from typing import Annotated
 
 import typer
 
-from geomtorsion.cli.loops import LoopFiles, files_of_loops, named_loop
+from geomtorsion.cli.loop_sources import LoopFiles, files_of_loops, named_loop
 from geomtorsion.cli.measured_sources import Reading, identity_frame, opened
 from geomtorsion.cli.options import (
     Form,

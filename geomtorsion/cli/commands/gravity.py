@@ -28,7 +28,7 @@ from geomtorsion.cli.theories import (
 from geomtorsion.cli.values import number, separated
 from geomtorsion.errors import ArgumentError, FileFormatError
 from geomtorsion.gravity import FieldEquations
-from geomtorsion.gravity.fluids import Fluid
+from geomtorsion.gravity.theory.fluids import Fluid
 from geomtorsion.ode import Solution
 from geomtorsion.pictures.field_equations import field_equations_data
 from geomtorsion.pictures.latex import text_label, text_marks

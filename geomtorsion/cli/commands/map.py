@@ -10,7 +10,7 @@ from typing import Annotated, Any
 import typer
 
 from geomtorsion.cli.exits import ExitCode, resumable
-from geomtorsion.cli.loops import typed_loop
+from geomtorsion.cli.loop_sources import typed_loop
 from geomtorsion.cli.measured_sources import Reading, dashed, identity_frame, opened, sigma_of
 from geomtorsion.cli.options import (
     Form,

@@ -11,7 +11,7 @@ import numpy as np
 import typer
 
 from geomtorsion.cli.exits import ExitCode
-from geomtorsion.cli.loops import Texts, typed_loop
+from geomtorsion.cli.loop_sources import Texts, typed_loop
 from geomtorsion.cli.options import Form, argument, directory, option
 from geomtorsion.cli.terminal import ROWS
 from geomtorsion.errors import GeomtorsionError, MissingExtraError, NetworkError

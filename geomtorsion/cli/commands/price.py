@@ -10,7 +10,7 @@ from typing import Annotated
 import typer
 
 from geomtorsion import prices
-from geomtorsion.cli.loops import named_loop
+from geomtorsion.cli.loop_sources import named_loop
 from geomtorsion.cli.measured_sources import Reading, identity_frame, opened
 from geomtorsion.cli.options import (
     Force,

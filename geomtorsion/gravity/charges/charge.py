@@ -13,7 +13,7 @@ from geomtorsion.geometry import Connection
 from geomtorsion.geometry.connections import ConnectionLike, FrameLike, as_frame
 from geomtorsion.gravity.charges.densities import KINDS, OUTSIDE, Request
 from geomtorsion.gravity.charges.spheres import divergence, integrated, number, sphere
-from geomtorsion.gravity.lagrangian import Lagrangian
+from geomtorsion.gravity.theory.lagrangian import Lagrangian
 from geomtorsion.support import checks
 from geomtorsion.support.displays import Plot, drawn_by, figure_by
 from geomtorsion.support.outgoing import measured_text

@@ -14,10 +14,10 @@ from geomtorsion.errors import GravityError
 from geomtorsion.exact import Element, parse_expression
 from geomtorsion.geometry import Connection, Form, Frame, Tensor, cartan, levi_civita, lie, surface
 from geomtorsion.gravity.charges.spheres import Sphere, number
-from geomtorsion.gravity.equations import equations
-from geomtorsion.gravity.fields import FrameFields
-from geomtorsion.gravity.inertial import inertial
-from geomtorsion.gravity.lagrangian import Lagrangian, known_as
+from geomtorsion.gravity.theory.field_equations import equations
+from geomtorsion.gravity.theory.fields import FrameFields
+from geomtorsion.gravity.theory.inertial import inertial
+from geomtorsion.gravity.theory.lagrangian import Lagrangian, known_as
 from geomtorsion.support import arguments, checks
 
 

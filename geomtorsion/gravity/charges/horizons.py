@@ -18,8 +18,8 @@ from geomtorsion.gravity.charges.algebraic import Root, centre, real_roots
 from geomtorsion.gravity.charges.enclosed_roots import EnclosedRoot, enclosed_roots
 from geomtorsion.gravity.charges.horizon import Horizon
 from geomtorsion.gravity.charges.spheres import Sphere, number, reduced, sphere
-from geomtorsion.gravity.equations import equations
-from geomtorsion.gravity.lagrangian import Lagrangian
+from geomtorsion.gravity.theory.field_equations import equations
+from geomtorsion.gravity.theory.lagrangian import Lagrangian
 from geomtorsion.support import checks
 from geomtorsion.support.precision import CONSTANT_BITS, ball_precision
 

@@ -16,8 +16,8 @@ from flint import nmod, nmod_mat, nmod_poly
 from geomtorsion.errors import GravityError
 from geomtorsion.exact import Element, Field, reduced, squares
 from geomtorsion.geometry import determinant
-from geomtorsion.gravity.operator import LinearOperator
 from geomtorsion.gravity.perturbed.sectors import Sector
+from geomtorsion.gravity.theory.operator import LinearOperator
 from geomtorsion.support.caching import cached_property
 
 # Ranks and degrees are found at random values of the couplings modulo this prime.

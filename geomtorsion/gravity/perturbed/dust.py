@@ -12,10 +12,6 @@ from sympy.core.function import AppliedUndef
 from geomtorsion.errors import GravityError
 from geomtorsion.exact import Element, Truncated, linear_parts
 from geomtorsion.geometry import Frame
-from geomtorsion.gravity.equations import FieldEquations, equations
-from geomtorsion.gravity.invariants import Invariant
-from geomtorsion.gravity.lagrangian import Lagrangian
-from geomtorsion.gravity.matter import MatterField, scalar_field
 from geomtorsion.gravity.perturbed.cosmology import H, N, check_signs, fields_in_time, in_rates
 from geomtorsion.gravity.perturbed.evolution import Evolution, evolution
 from geomtorsion.gravity.perturbed.geometries import (
@@ -33,6 +29,10 @@ from geomtorsion.gravity.perturbed.geometries import (
     shown,
     theory_in,
 )
+from geomtorsion.gravity.theory.field_equations import FieldEquations, equations
+from geomtorsion.gravity.theory.invariants import Invariant
+from geomtorsion.gravity.theory.lagrangian import Lagrangian
+from geomtorsion.gravity.theory.matter import MatterField, scalar_field
 from geomtorsion.support.caching import cached_property
 from geomtorsion.support.displays import latex_of
 

@@ -14,8 +14,8 @@ from sympy.core.function import AppliedUndef
 from geomtorsion.errors import GravityError
 from geomtorsion.exact import parse_expression
 from geomtorsion.geometry import Frame, Tensor
-from geomtorsion.gravity.lagrangian import Lagrangian
 from geomtorsion.gravity.perturbed.geometries import T, shown
+from geomtorsion.gravity.theory.lagrangian import Lagrangian
 from geomtorsion.support import checks
 from geomtorsion.support.displays import Plot, figure_by
 

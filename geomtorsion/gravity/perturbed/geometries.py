@@ -20,11 +20,11 @@ from geomtorsion.geometry import (
     from_spin_connection,
     levi_civita,
 )
-from geomtorsion.gravity.equations import FieldEquations
-from geomtorsion.gravity.lagrangian import Lagrangian, known_as
-from geomtorsion.gravity.lagrangian import names as gravity_names
-from geomtorsion.gravity.matter import MatterField, maxwell, scalar_field
-from geomtorsion.gravity.naming import shorthand
+from geomtorsion.gravity.theory.field_equations import FieldEquations
+from geomtorsion.gravity.theory.lagrangian import Lagrangian, known_as
+from geomtorsion.gravity.theory.lagrangian import names as gravity_names
+from geomtorsion.gravity.theory.matter import MatterField, maxwell, scalar_field
+from geomtorsion.gravity.theory.naming import shorthand
 from geomtorsion.support import checks
 
 # Coordinates of flat space; a wave travels along z.

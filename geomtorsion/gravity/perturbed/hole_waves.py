@@ -10,12 +10,12 @@ import sympy as sp
 from geomtorsion.errors import GravityError
 from geomtorsion.exact import Element, Truncated, linear_parts
 from geomtorsion.geometry import Frame, Tensor
-from geomtorsion.gravity.equations import FieldEquations, equations
-from geomtorsion.gravity.lagrangian import Lagrangian
-from geomtorsion.gravity.matter import MatterField, maxwell, scalar_field
 from geomtorsion.gravity.perturbed.collocation import Hole, R, Radial, Row
 from geomtorsion.gravity.perturbed.geometries import ETA, GEOMETRIES, SMALL, check_couplings
 from geomtorsion.gravity.perturbed.static_holes import Fields, missing_number
+from geomtorsion.gravity.theory.field_equations import FieldEquations, equations
+from geomtorsion.gravity.theory.lagrangian import Lagrangian
+from geomtorsion.gravity.theory.matter import MatterField, maxwell, scalar_field
 from geomtorsion.support import checks
 
 T, THETA, PHI = sp.symbols("t theta azimuth")

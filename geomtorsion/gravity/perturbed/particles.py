@@ -9,9 +9,6 @@ from typing import Any, ClassVar
 import sympy as sp
 
 from geomtorsion.errors import GravityError, SingularPointError
-from geomtorsion.gravity.equations import equations
-from geomtorsion.gravity.invariants import Invariant
-from geomtorsion.gravity.lagrangian import Lagrangian
 from geomtorsion.gravity.perturbed.blocks import VARIABLE, Block, Waves
 from geomtorsion.gravity.perturbed.conditions import all_positive, positive_part, positive_roots
 from geomtorsion.gravity.perturbed.geometries import (
@@ -27,6 +24,9 @@ from geomtorsion.gravity.perturbed.geometries import (
 )
 from geomtorsion.gravity.perturbed.sectors import Sector, helicities, spins
 from geomtorsion.gravity.perturbed.taylor import about_flat_space
+from geomtorsion.gravity.theory.field_equations import equations
+from geomtorsion.gravity.theory.invariants import Invariant
+from geomtorsion.gravity.theory.lagrangian import Lagrangian
 from geomtorsion.support import checks
 from geomtorsion.support.caching import cached_property
 from geomtorsion.support.displays import Plot, drawn_by, figure_by, latex_of

@@ -15,11 +15,6 @@ from geomtorsion.errors import GravityError
 from geomtorsion.geometry import Connection, Frame, Tensor
 from geomtorsion.geometry.numeric.power_series import PowerSeries
 from geomtorsion.gravity.charges.spheres import number
-from geomtorsion.gravity.equations import FieldEquations
-from geomtorsion.gravity.geometries import listed
-from geomtorsion.gravity.invariants import Invariant
-from geomtorsion.gravity.lagrangian import Lagrangian
-from geomtorsion.gravity.matter import maxwell, scalar_field
 from geomtorsion.gravity.numeric.solution_jets import Jet, noise
 from geomtorsion.gravity.numeric.varied import Potentials, Setting, varied
 from geomtorsion.gravity.perturbed.geometries import GEOMETRIES, OF_THEORY, names_of, theory_in
@@ -30,8 +25,13 @@ from geomtorsion.gravity.perturbed.trial_fields import (
     start_coordinates,
     trial,
 )
-from geomtorsion.gravity.two_forms import kalb_ramond
-from geomtorsion.gravity.vocabulary import declared_constants
+from geomtorsion.gravity.theory.field_equations import FieldEquations
+from geomtorsion.gravity.theory.geometries import listed
+from geomtorsion.gravity.theory.invariants import Invariant
+from geomtorsion.gravity.theory.lagrangian import Lagrangian
+from geomtorsion.gravity.theory.matter import maxwell, scalar_field
+from geomtorsion.gravity.theory.two_forms import kalb_ramond
+from geomtorsion.gravity.theory.vocabulary import declared_constants
 from geomtorsion.support import checks
 from geomtorsion.support.caching import cached_property
 from geomtorsion.support.displays import Plot, figure_by

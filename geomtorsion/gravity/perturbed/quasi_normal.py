@@ -15,13 +15,13 @@ from geomtorsion.errors import GravityError
 from geomtorsion.exact import names as words
 from geomtorsion.exact import parse_expression
 from geomtorsion.geometry.connections import FrameLike, as_frame
-from geomtorsion.gravity.lagrangian import Lagrangian, known_as, names
-from geomtorsion.gravity.matter import MatterField
 from geomtorsion.gravity.perturbed.collocation import Hole, R
 from geomtorsion.gravity.perturbed.frequencies import frequencies
 from geomtorsion.gravity.perturbed.geometries import theory_in
 from geomtorsion.gravity.perturbed.hole_waves import SYSTEMS, Theory
 from geomtorsion.gravity.perturbed.static_holes import chart_of, fields_of
+from geomtorsion.gravity.theory.lagrangian import Lagrangian, known_as, names
+from geomtorsion.gravity.theory.matter import MatterField
 from geomtorsion.support import checks
 from geomtorsion.support.csv_table import write_csv
 from geomtorsion.support.displays import Plot, drawn_by, figure_by

@@ -12,9 +12,6 @@ from sympy.core.function import AppliedUndef
 from geomtorsion.errors import GravityError
 from geomtorsion.exact import Element, Truncated, linear_parts
 from geomtorsion.geometry import Frame, levi_civita
-from geomtorsion.gravity.equations import FieldEquations, equations
-from geomtorsion.gravity.invariants import Invariant
-from geomtorsion.gravity.lagrangian import Lagrangian
 from geomtorsion.gravity.perturbed.cosmology import H, N, check_signs, fields_in_time, in_rates
 from geomtorsion.gravity.perturbed.evolution import Evolution, evolution
 from geomtorsion.gravity.perturbed.geometries import (
@@ -30,6 +27,9 @@ from geomtorsion.gravity.perturbed.geometries import (
     theory_in,
 )
 from geomtorsion.gravity.perturbed.time_orders import orders_of_cosmos
+from geomtorsion.gravity.theory.field_equations import FieldEquations, equations
+from geomtorsion.gravity.theory.invariants import Invariant
+from geomtorsion.gravity.theory.lagrangian import Lagrangian
 from geomtorsion.support.caching import cached_property
 from geomtorsion.support.displays import latex_of
 

@@ -9,8 +9,8 @@ import sympy as sp
 
 from geomtorsion.errors import GravityError
 from geomtorsion.geometry import Frame
-from geomtorsion.gravity.matter import MatterField, Maxwell, ScalarField
 from geomtorsion.gravity.perturbed.collocation import Hole, R
+from geomtorsion.gravity.theory.matter import MatterField, Maxwell, ScalarField
 from geomtorsion.support import checks
 
 # The radial coordinate of a chart.

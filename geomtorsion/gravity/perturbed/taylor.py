@@ -11,9 +11,9 @@ import sympy as sp
 from sympy.core.function import AppliedUndef
 
 from geomtorsion.errors import GravityError
-from geomtorsion.gravity.equations import FieldEquations
-from geomtorsion.gravity.lagrangian import Lagrangian
-from geomtorsion.gravity.matter import ScalarField
+from geomtorsion.gravity.theory.field_equations import FieldEquations
+from geomtorsion.gravity.theory.lagrangian import Lagrangian
+from geomtorsion.gravity.theory.matter import ScalarField
 
 
 @dataclass(frozen=True)

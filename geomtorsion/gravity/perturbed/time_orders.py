@@ -9,8 +9,8 @@ from sympy.core.function import AppliedUndef
 
 from geomtorsion.exact import Element, Field, Truncated
 from geomtorsion.geometry import Tensor, determinant
-from geomtorsion.gravity.equations import FieldEquations
-from geomtorsion.gravity.matter import ScalarField
+from geomtorsion.gravity.theory.field_equations import FieldEquations
+from geomtorsion.gravity.theory.matter import ScalarField
 
 
 @dataclass(frozen=True)

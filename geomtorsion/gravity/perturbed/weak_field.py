@@ -11,10 +11,6 @@ import sympy as sp
 from geomtorsion.errors import GravityError
 from geomtorsion.exact import Element, parse_expression
 from geomtorsion.geometry import Frame
-from geomtorsion.gravity.equations import FieldEquations, equations
-from geomtorsion.gravity.invariants import Invariant
-from geomtorsion.gravity.lagrangian import Lagrangian
-from geomtorsion.gravity.matter import scalar_field
 from geomtorsion.gravity.perturbed.cosmology import WITHOUT_CONNECTION
 from geomtorsion.gravity.perturbed.geometries import (
     ETA,
@@ -33,6 +29,10 @@ from geomtorsion.gravity.perturbed.geometries import (
 )
 from geomtorsion.gravity.perturbed.solar_system import CASSINI, MEASUREMENTS, SolarTest
 from geomtorsion.gravity.perturbed.taylor import about_flat_space
+from geomtorsion.gravity.theory.field_equations import FieldEquations, equations
+from geomtorsion.gravity.theory.invariants import Invariant
+from geomtorsion.gravity.theory.lagrangian import Lagrangian
+from geomtorsion.gravity.theory.matter import scalar_field
 from geomtorsion.support import checks
 from geomtorsion.support.caching import cached_property
 from geomtorsion.support.displays import Plot, drawn_by, figure_by, latex_of

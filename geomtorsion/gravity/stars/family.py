@@ -12,9 +12,9 @@ import numpy as np
 from scipy.optimize import brentq, minimize_scalar
 
 from geomtorsion.errors import GravityError
-from geomtorsion.gravity.stars.equation_of_state import EquationOfState
 from geomtorsion.gravity.stars.star import Source, Star, star_of, structure_of
 from geomtorsion.gravity.stars.structure import Structure
+from geomtorsion.gravity.states.equation_of_state import EquationOfState
 from geomtorsion.support import checks
 from geomtorsion.support.caching import cached_property
 from geomtorsion.support.csv_table import write_csv
@@ -200,7 +200,7 @@ def family(
 
     Examples
     --------
-    >>> from geomtorsion.gravity.stars.equation_of_state import polytropes
+    >>> from geomtorsion.gravity.states.equation_of_state import polytropes
     >>> stars = family(polytropes(100, [2]), [1e-3, 4e-3, 9e-3])
     >>> stars
     3 stars of polytrope with exponent 2: mass from 1.21955 to 1.63685

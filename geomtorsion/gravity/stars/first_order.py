@@ -12,7 +12,7 @@ from collections.abc import Mapping
 import mpmath
 import sympy as sp
 
-from geomtorsion.gravity.stars.equation_of_state import ETA
+from geomtorsion.gravity.states.equation_of_state import ETA
 
 R = sp.Symbol("r")
 A, B, X, K, W = (sp.Function(name)(R) for name in ("A", "B", "eta", "K", "w"))

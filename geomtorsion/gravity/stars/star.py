@@ -11,12 +11,12 @@ import numpy as np
 import sympy as sp
 
 from geomtorsion.errors import ArgumentError, GravityError
-from geomtorsion.gravity.equations import FieldEquations
-from geomtorsion.gravity.stars.equation_of_state import EquationOfState
 from geomtorsion.gravity.stars.first_order import MOMENT, RADIAL, SIZE, SLOPE, SPIN, TIDE
 from geomtorsion.gravity.stars.first_order import love_number as love_number_of
-from geomtorsion.gravity.stars.matter_tables import equation_of_state
 from geomtorsion.gravity.stars.structure import SURFACE, Structure
+from geomtorsion.gravity.states.equation_of_state import EquationOfState
+from geomtorsion.gravity.states.matter_tables import equation_of_state
+from geomtorsion.gravity.theory.field_equations import FieldEquations
 from geomtorsion.ode import Solution
 from geomtorsion.ode import solve as solve_ode
 from geomtorsion.support import checks

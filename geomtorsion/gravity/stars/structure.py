@@ -11,12 +11,12 @@ import sympy as sp
 from geomtorsion.errors import GravityError
 from geomtorsion.exact import Element
 from geomtorsion.geometry import Frame, levi_civita
-from geomtorsion.gravity.equations import FieldEquations, equations
-from geomtorsion.gravity.fluids import Fluid
-from geomtorsion.gravity.reduction import Reduction
+from geomtorsion.gravity.reduced.reduction import Reduction
 from geomtorsion.gravity.stars import first_order
-from geomtorsion.gravity.stars.equation_of_state import ETA, EquationOfState
 from geomtorsion.gravity.stars.first_order import SIZE, R
+from geomtorsion.gravity.states.equation_of_state import ETA, EquationOfState
+from geomtorsion.gravity.theory.field_equations import FieldEquations, equations
+from geomtorsion.gravity.theory.fluids import Fluid
 from geomtorsion.ode import ODE, At
 from geomtorsion.support.caching import cached_property
 

@@ -1,6 +1,6 @@
 """Crystals: from atoms to dislocation lines."""
 
-from geomtorsion.materials.crystals.circuits import AtomCircuit
+from geomtorsion.materials.crystals.atom_circuits import AtomCircuit
 from geomtorsion.materials.crystals.crystal import Crystal
 from geomtorsion.materials.crystals.grains import Grain, Grains, Wall
 from geomtorsion.materials.crystals.lattices import LATTICES, Lattice

@@ -13,7 +13,7 @@ from numpy.typing import ArrayLike
 
 from geomtorsion.errors import CrystalError
 from geomtorsion.loops import Cochain, Complex
-from geomtorsion.materials.crystals.circuits import AtomCircuits, GrainCircuits
+from geomtorsion.materials.crystals.atom_circuits import AtomCircuits, GrainCircuits
 from geomtorsion.materials.crystals.frames import (
     NEIGHBOURS,
     Fit,

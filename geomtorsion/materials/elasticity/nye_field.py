@@ -10,7 +10,7 @@ import numpy as np
 from geomtorsion.errors import LONGEST_SHOWN, FileFormatError, GridError, NetworkError
 from geomtorsion.materials.fields import SampledFrame
 from geomtorsion.materials.fields.cells import curl
-from geomtorsion.materials.fields.circuits import Field
+from geomtorsion.materials.fields.grid_circuits import Field
 from geomtorsion.materials.lines import Box
 from geomtorsion.support import checks
 from geomtorsion.support.files import ending, written

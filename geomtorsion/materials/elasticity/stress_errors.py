@@ -13,7 +13,7 @@ from geomtorsion.materials.elasticity.nye_field import NyeField, checked_frame
 from geomtorsion.materials.elasticity.readings import Reading
 from geomtorsion.materials.elasticity.torsion import TorsionModes
 from geomtorsion.materials.fields import SampledFrame
-from geomtorsion.materials.fields.circuits import unexplained
+from geomtorsion.materials.fields.grid_circuits import unexplained
 from geomtorsion.support.caching import cached_property
 from geomtorsion.support.precision import CALCULATED
 

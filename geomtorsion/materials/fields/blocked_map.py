@@ -21,7 +21,6 @@ import numpy as np
 
 from geomtorsion.errors import CheckpointError, FileFormatError, GridError, LimitError
 from geomtorsion.materials.fields.cells import circuits, torsion
-from geomtorsion.materials.fields.circuits import Field
 from geomtorsion.materials.fields.contents import guarded, module
 from geomtorsion.materials.fields.grid import (
     check_length,
@@ -31,6 +30,7 @@ from geomtorsion.materials.fields.grid import (
     several,
     two_axes,
 )
+from geomtorsion.materials.fields.grid_circuits import Field
 from geomtorsion.materials.fields.large_arrays import (
     LargeArray,
     check_finite,
@@ -223,7 +223,7 @@ class BlockMap:
             curl, difference, sigmas = torsion(field, self.plane)
             return np.concatenate([curl, sigmas, difference.max(axis=0)[None]])
         # A block does not contain the whole ring of each hole.
-        blocks = circuits(field, self.plane, self.size, detours=False)
+        blocks = circuits(field, self.plane, self.size)
         vectors, errors = blocks.vectors, blocks.estimate()
         sigmas = np.zeros(vectors.shape)
         for i, row in enumerate(sigmas):

@@ -12,8 +12,8 @@ import numpy as np
 
 from geomtorsion.loops.quadrature import ROUNDING
 from geomtorsion.materials.detours import Passages
-from geomtorsion.materials.fields.circuits import Field, unexplained
 from geomtorsion.materials.fields.grid import Grid
+from geomtorsion.materials.fields.grid_circuits import Field, unexplained
 from geomtorsion.materials.fields.noise import Noise, along
 from geomtorsion.materials.fields.sides import Sides, Spread, on_grid
 from geomtorsion.materials.fields.stencils import Rule
@@ -46,17 +46,18 @@ def windows_of(grid: Grid, plane: tuple[int, int], size: tuple[int, int]) -> Win
 
 
 def circuits(
-    sampled: Field, plane: tuple[int, int], size: tuple[int, int], *, detours: bool = True
+    sampled: Field, plane: tuple[int, int], size: tuple[int, int], rings: Rings | None = None
 ) -> Circuits:
     """b of all circuits of a size; the cost grows with the logarithm of the size.
 
-    detours: whether circuits go around missing nodes; otherwise b is NaN where a side has one.
+    rings: around missing nodes, which circuits follow; without them, b is NaN where a side has a
+    missing node.
     """
     grid, lines = sampled.grid, windows_of(sampled.grid, plane, size)
     one, two = (Sides(sampled, k, m) for k, m in zip(plane, size, strict=True))
     edges, passages = (one.values, two.values), None
-    if grid.has_holes and detours:
-        passages = Passages(Rings.of(grid.holes, plane, grid.periodic), lines)
+    if rings is not None:
+        passages = Passages(rings, lines)
         edges = passages.rings.filled(edges)
     vectors = lines.rounds(*lines.along(*edges))
     if passages is not None:

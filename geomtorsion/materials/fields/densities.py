@@ -13,8 +13,8 @@ import scipy  # loads its subpackages at first use
 
 from geomtorsion.errors import GridError
 from geomtorsion.loops.quadrature import ROUNDING
-from geomtorsion.materials.fields.circuits import Field, unexplained
 from geomtorsion.materials.fields.grid import Grid
+from geomtorsion.materials.fields.grid_circuits import Field, unexplained
 from geomtorsion.materials.fields.samples import Samples
 from geomtorsion.materials.fields.sides import on_grid
 from geomtorsion.support import checks

@@ -11,9 +11,14 @@ from geomtorsion.loops import Cochain, Complex, EdgeIntegrals, Loop, Part
 from geomtorsion.loops.quadrature import ROUNDING
 from geomtorsion.materials.detours import Passages
 from geomtorsion.materials.fields.cells import Circuits, windows_of
-from geomtorsion.materials.fields.circuits import Field, Measured, sampled_edges, sampled_polygons
 from geomtorsion.materials.fields.displacement import Displacement, differences
 from geomtorsion.materials.fields.grid import Grid
+from geomtorsion.materials.fields.grid_circuits import (
+    Field,
+    Measured,
+    sampled_edges,
+    sampled_polygons,
+)
 from geomtorsion.materials.fields.sides import on_grid
 from geomtorsion.materials.rings import Rings
 from geomtorsion.materials.survey import Errors
@@ -100,13 +105,17 @@ def _along(
 
 
 def displaced_circuits(
-    grid: Grid, displacement: Displacement, plane: tuple[int, int], size: tuple[int, int]
+    grid: Grid,
+    displacement: Displacement,
+    plane: tuple[int, int],
+    size: tuple[int, int],
+    rings: Rings | None,
 ) -> Circuits:
     """b of all circuits of a size, as in `cells.circuits`."""
     lines, passages = windows_of(grid, plane, size), None
     edges = displacement.times[plane[0]], displacement.times[plane[1]]
-    if grid.has_holes:
-        passages = Passages(Rings.of(grid.holes, plane, grid.periodic), lines)
+    if rings is not None:
+        passages = Passages(rings, lines)
         edges = passages.rings.filled(edges)
     times = lines.rounds(*lines.along(*edges))
     vectors = 0.0 - displacement.jumps.sums(times)

@@ -35,7 +35,7 @@ from geomtorsion.materials.fields.value_tables import (
 )
 from geomtorsion.support.checks import cut, shown, unmasked
 from geomtorsion.support.file_kinds import naming_other_kinds
-from geomtorsion.support.files import ending
+from geomtorsion.support.files import check_file, ending
 from geomtorsion.support.hdf5 import HDF5, check_hdf5
 from geomtorsion.support.npz import ArrayForm, read_npz, text_of, write_npz
 
@@ -95,8 +95,7 @@ def read_grid(path: Path, columns: Mapping[str, int | str] | None = None) -> Con
     MissingExtraError
         The library for the format is not installed.
     """
-    if not path.is_file():
-        raise FileFormatError(f"{path}: there is no such file.")
+    check_file(path)
     kind = ending(path)
     if kind not in FORMATS:
         raise FileFormatError(
@@ -127,8 +126,7 @@ def read_scattered(path: Path, columns: Mapping[str, int | str] | None = None) -
     MissingExtraError
         meshio is not installed.
     """
-    if not path.is_file():
-        raise FileFormatError(f"{path}: there is no such file.")
+    check_file(path)
     meshes = tuple(tables.MESHES)
     if ending(path) not in (*TABLES, *meshes):
         raise FileFormatError(

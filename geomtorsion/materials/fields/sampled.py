@@ -13,17 +13,9 @@ from geomtorsion.loops import Cochain, EdgeIntegrals, Loop
 from geomtorsion.materials.burgers import PLANE, Burgers, Section
 from geomtorsion.materials.detours import detour_of
 from geomtorsion.materials.fields import cells, holes
-from geomtorsion.materials.fields.circuits import (
-    Measured,
-    edge_cochain,
-    sampled_burgers,
-    sampled_edges,
-    unexplained,
-)
 from geomtorsion.materials.fields.densities import Density, incompatibility_of
 from geomtorsion.materials.fields.displaced import (
     displaced_burgers,
-    displaced_circuits,
     displaced_cochain,
     displaced_edges,
     displaced_torsion,
@@ -31,13 +23,21 @@ from geomtorsion.materials.fields.displaced import (
 )
 from geomtorsion.materials.fields.exact_interpolants import interpolant_of
 from geomtorsion.materials.fields.grid import two_axes
+from geomtorsion.materials.fields.grid_circuits import (
+    Measured,
+    edge_cochain,
+    sampled_burgers,
+    sampled_edges,
+    unexplained,
+)
 from geomtorsion.materials.fields.grid_geometry import at_two_steps
 from geomtorsion.materials.fields.holes import Hole
 from geomtorsion.materials.fields.metrics import orthonormal_coframe
 from geomtorsion.materials.fields.samples import Samples
 from geomtorsion.materials.fields.stretches import detoured
+from geomtorsion.materials.fields.surveys import survey_of
 from geomtorsion.materials.source import Backdrop
-from geomtorsion.materials.survey import Survey, areas, middles
+from geomtorsion.materials.survey import Survey
 from geomtorsion.support import checks
 from geomtorsion.support.caching import cached_property
 
@@ -55,9 +55,9 @@ class SampledFrame(Samples):
     names: of the axes.
     mask: True where nothing is known, shape (N_1, ..., N_d); nodes with NaN are also holes.
         Circuits may surround holes. A circuit that meets a hole follows the ring of nodes around
-        it, see `Burgers.detour`, or is refused (NaN in surveys) where the rings would cover more
-        than half of its area or the hole reaches the edge of the grid. Near a hole, stencils are
-        one-sided, as at the edge of the grid, or of lower order.
+        it, see `Burgers.detour`, or is refused where the rings would cover more than half of its
+        area or the hole reaches the edge of the grid (in surveys, a larger square or NaN). Near a
+        hole, stencils are one-sided, as at the edge of the grid, or of lower order.
     sigma: standard deviation of the noise of each value, independent for all values: a number, or
         an array of the shape of the grid, of (rows, d) or of the coframe; or "estimate", from the
         median of differences of sixth order in the data (`noise.estimated`). Errors then include
@@ -228,18 +228,30 @@ class SampledFrame(Samples):
         GridError
             The plane does not name two different axes.
         """
-        return self.burgers_map(1, plane)
+        return self.burgers_map(1, plane, widen=False)
 
-    def burgers_map(self, size: int | Sequence[int], plane: tuple[int, int] = (0, 1)) -> Survey:
+    def burgers_map(
+        self,
+        size: int | Sequence[int],
+        plane: tuple[int, int] = (0, 1),
+        *,
+        widen: bool = True,
+    ) -> Survey:
         """Burgers vectors of rectangular circuits of one size at all positions, with their noise.
 
         Circuits that meet missing nodes go around them, as in `burgers`. The cost hardly grows
         with the size.
 
+        A square whose detour would be longer than itself has no b of its own, for example a cell
+        beside a missing core. It is replaced by the smallest larger square around it that has one:
+        `survey.sides` is the side of each square, and `area` and `density` refer to it.
+
         Parameters
         ----------
         size
             Cells along the sides: one number for squares, or one for each axis of the plane.
+        widen
+            Whether larger squares replace squares without b; otherwise b is NaN there.
 
         Raises
         ------
@@ -254,6 +266,13 @@ class SampledFrame(Samples):
         >>> found = grid.burgers_map(3)
         >>> found.vectors.shape, found.vectors.round(12).max(), found.density.round(12).max()
         ((1, 3, 3), np.float64(9.0), np.float64(1.0))
+
+        Cells beside a missing node take the square of 2 x 2 cells around it:
+
+        >>> core = np.hypot(x - 2, y - 2) < 1
+        >>> survey = SampledFrame(axes, np.array([[-y, x]]) / 2, mask=core).burgers_map(1)
+        >>> survey.sides[:4, 2].tolist(), survey.density.round(12).max()
+        ([1, 2, 2, 1], np.float64(1.0))
         """
         pair = two_axes(plane, self.dimension)
         entries = checks.rows(size)
@@ -263,31 +282,11 @@ class SampledFrame(Samples):
         for k, side in zip(pair, sides, strict=True):
             checks.count(side, "size", GridError, 1, len(self.axes[k]) - 1)
         whole = int(sides[0]), int(sides[1])
-        if self.displacement is not None:
-            every = displaced_circuits(self._grid, self.displacement, pair, whole)
-        else:
-            every = cells.circuits(self._field, pair, whole)
-        vectors, passages = every.vectors, every.passages
-        cells_along = dict(zip(pair, whole, strict=True))
-        along = [cells_along.get(k, 0) for k in range(self.dimension)]
-        starts, counts = [float(axis[0]) for axis in self.axes], vectors.shape[1:]
-        steps = self._grid.steps
-        return Survey(
-            vectors,
-            middles(starts, steps, counts, along),
-            areas(abs(steps[pair[0]] * steps[pair[1]]), whole, passages),
-            whole,
-            every.estimate,
-            tuple(self.names),
-            pair,
-            passages=None if passages is None else passages.count,
-            unit=self.unit,
-            vector_unit=self.vector_unit,
-        )
+        return survey_of(self, pair, whole, widen=widen)
 
     def backdrop(self, section: Section = PLANE) -> Backdrop:
         """|b| per area of each cell, in the layer next to the section; holes are blank."""
-        survey = self.burgers_map(1, section.plane)
+        survey = self.plaquettes(section.plane)
         others = [k for k in range(self.dimension) if k not in section.plane]
         middle = [float(np.mean(self.axes[k])) for k in others]
         at = [

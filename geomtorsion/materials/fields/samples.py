@@ -13,7 +13,6 @@ import numpy as np
 from geomtorsion.errors import LONGEST_SHOWN, FileFormatError, GridError
 from geomtorsion.loops import Parameters, forms
 from geomtorsion.materials.columns import checked_columns
-from geomtorsion.materials.fields.circuits import Field
 from geomtorsion.materials.fields.contents import TEXTS, Contents
 from geomtorsion.materials.fields.displacement import Displacement, checked_height, displacement_of
 from geomtorsion.materials.fields.grid import (
@@ -31,6 +30,7 @@ from geomtorsion.materials.fields.grid import (
     regular_axis,
     signs_of,
 )
+from geomtorsion.materials.fields.grid_circuits import Field
 from geomtorsion.materials.fields.grid_files import holds_covariance, read_grid, save_grid
 from geomtorsion.materials.fields.holes import Hole, holes_of
 from geomtorsion.materials.fields.missing import with_holes

@@ -16,9 +16,9 @@ from geomtorsion.loops import Cochain, Loop
 from geomtorsion.loops.quadrature import ROUNDING
 from geomtorsion.materials.burgers import PLANE, Burgers, Section
 from geomtorsion.materials.columns import checked_columns
-from geomtorsion.materials.fields.circuits import unexplained
 from geomtorsion.materials.fields.displacement import checked_height, raised
 from geomtorsion.materials.fields.grid import numbers, two_axes
+from geomtorsion.materials.fields.grid_circuits import unexplained
 from geomtorsion.materials.fields.grid_files import read_scattered
 from geomtorsion.materials.fields.missing import with_holes
 from geomtorsion.materials.fields.noise import EdgeNoise, NodeNoise, noise_of

@@ -8,8 +8,8 @@ from typing import TYPE_CHECKING
 import numpy as np
 import scipy  # loads its subpackages at first use
 
-from geomtorsion.materials.fields.circuits import Field
 from geomtorsion.materials.fields.grid import Grid
+from geomtorsion.materials.fields.grid_circuits import Field
 from geomtorsion.materials.fields.noise import Noise, along
 from geomtorsion.materials.fields.stencils import Rule, applied, plain_rule
 from geomtorsion.materials.windows import window_sums

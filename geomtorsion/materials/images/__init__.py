@@ -1,7 +1,7 @@
 """Images: Burgers vectors of lattice images, by geometric phase analysis."""
 
-from geomtorsion.materials.images.circuits import LatticeBurgers
 from geomtorsion.materials.images.lattice_image import LatticeImage
+from geomtorsion.materials.images.phase_circuits import LatticeBurgers
 from geomtorsion.materials.images.phases import LatticePhases
 from geomtorsion.materials.images.spots import Spots
 

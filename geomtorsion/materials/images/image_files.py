@@ -17,6 +17,7 @@ from geomtorsion.materials.images.pixels import PixelSize, size_in_tiff, size_of
 from geomtorsion.support import checks
 from geomtorsion.support.checks import cut
 from geomtorsion.support.file_kinds import naming_other_kinds
+from geomtorsion.support.files import check_file
 from geomtorsion.support.hdf5 import check_hdf5
 from geomtorsion.support.outgoing import quiet_libraries
 
@@ -67,8 +68,7 @@ def read_pixels(
             f"{path}: expected an image ending in {', '.join(KINDS)}, got {path.suffix!r}. Export "
             "it as .tif, or give an array in memory to LatticeImage(array)."
         )
-    if not path.is_file():
-        raise FileFormatError(f"{path}: there is no such file.")
+    check_file(path)
     name = KINDS[path.suffix.lower()]
     try:
         library = import_module(name)

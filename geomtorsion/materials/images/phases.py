@@ -12,7 +12,7 @@ from geomtorsion.errors import GridError, ImageError
 from geomtorsion.loops import Cochain, Complex, Loop
 from geomtorsion.materials.burgers import PLANE, Section
 from geomtorsion.materials.fields import SampledFrame
-from geomtorsion.materials.images.circuits import (
+from geomtorsion.materials.images.phase_circuits import (
     LatticeBurgers,
     detoured,
     enclosed,

@@ -1,9 +1,9 @@
 """Orientations: maps of measured crystal orientations, and Burgers vectors of circuits in them."""
 
-from geomtorsion.materials.maps.circuits import Circuit
 from geomtorsion.materials.maps.curvature import Curvature
 from geomtorsion.materials.maps.orientation_map import OrientationMap
 from geomtorsion.materials.maps.phases import Phase
+from geomtorsion.materials.maps.pixel_circuits import Circuit
 from geomtorsion.materials.maps.results import FamilyLines, MapBurgers
 from geomtorsion.materials.maps.slip import SlipDensity, SlipFamily, slip_families
 from geomtorsion.materials.maps.symmetry import LAUE_GROUPS, LaueGroup, laue_group

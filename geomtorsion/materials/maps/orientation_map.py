@@ -13,8 +13,7 @@ from geomtorsion.errors import FileFormatError, GeomtorsionError, OrientationErr
 from geomtorsion.loops import Cochain, Loop
 from geomtorsion.materials.burgers import PLANE, Section
 from geomtorsion.materials.fields import SampledFrame
-from geomtorsion.materials.fields.circuits import unexplained
-from geomtorsion.materials.maps.circuits import Circuit, circuit_of
+from geomtorsion.materials.fields.grid_circuits import unexplained
 from geomtorsion.materials.maps.curvature import Curvature, curvature_of
 from geomtorsion.materials.maps.grain_frames import frame_of_grain
 from geomtorsion.materials.maps.lattice_edges import (
@@ -26,6 +25,7 @@ from geomtorsion.materials.maps.lattice_edges import (
 )
 from geomtorsion.materials.maps.map_formats import read_map_file
 from geomtorsion.materials.maps.phases import Phase
+from geomtorsion.materials.maps.pixel_circuits import Circuit, circuit_of
 from geomtorsion.materials.maps.results import MapBurgers, angstrom_in
 from geomtorsion.materials.maps.slip import FAMILIES as SLIP
 from geomtorsion.materials.maps.squares import COMPONENTS, survey_of_squares

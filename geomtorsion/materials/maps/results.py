@@ -9,8 +9,8 @@ import numpy as np
 
 from geomtorsion.errors import OrientationError
 from geomtorsion.materials.burgers import Burgers, Json
-from geomtorsion.materials.maps.circuits import Circuit
 from geomtorsion.materials.maps.phases import Phase
+from geomtorsion.materials.maps.pixel_circuits import Circuit
 from geomtorsion.materials.maps.slip import (
     SlipDensity,
     SlipFamily,

@@ -8,9 +8,9 @@ from functools import partial
 import numpy as np
 
 from geomtorsion.materials.detours import Passages
-from geomtorsion.materials.fields.circuits import unexplained
-from geomtorsion.materials.maps.circuits import Circuit
+from geomtorsion.materials.fields.grid_circuits import unexplained
 from geomtorsion.materials.maps.lattice_edges import spread_of, spread_of_sums
+from geomtorsion.materials.maps.pixel_circuits import Circuit
 from geomtorsion.materials.maps.step_grid import StepGrid
 from geomtorsion.materials.survey import Errors, Survey, areas, middles
 from geomtorsion.rigid.attitude import matrix_from_quaternion

@@ -9,9 +9,9 @@ import numpy as np
 from geomtorsion.errors import OrientationError
 from geomtorsion.loops import Cochain
 from geomtorsion.materials.detours import Detour, Passages, detour_of, too_large
-from geomtorsion.materials.fields.circuits import unexplained
-from geomtorsion.materials.maps.circuits import Circuit
+from geomtorsion.materials.fields.grid_circuits import unexplained
 from geomtorsion.materials.maps.lattice_edges import GrainMap, spread_of_sums
+from geomtorsion.materials.maps.pixel_circuits import Circuit
 from geomtorsion.materials.rings import Rings
 from geomtorsion.materials.windows import Windows
 from geomtorsion.support import checks

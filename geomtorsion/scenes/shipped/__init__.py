@@ -6,7 +6,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from geomtorsion.errors import UnknownNameError
-from geomtorsion.scenes.files import read_file
+from geomtorsion.scenes.scene_files import read_file
 from geomtorsion.support.checks import known_name
 from geomtorsion.support.files import TomlFile, read_toml
 

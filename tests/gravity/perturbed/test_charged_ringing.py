@@ -8,7 +8,7 @@ import sympy as sp
 import geomtorsion as gt
 from geomtorsion.errors import GeomtorsionError
 from geomtorsion.gravity import perturbed
-from geomtorsion.gravity.matter import MatterField
+from geomtorsion.gravity.theory.matter import MatterField
 from tests.chosen import few
 from tests.gravity.perturbed.leaver import reissner_nordstrom, schwarzschild
 

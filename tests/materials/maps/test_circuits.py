@@ -8,7 +8,7 @@ import pytest
 from geomtorsion.errors import OrientationError
 from geomtorsion.loops import Loop
 from geomtorsion.materials.maps import Circuit
-from geomtorsion.materials.maps.circuits import windings
+from geomtorsion.materials.maps.pixel_circuits import windings
 
 
 def chain(circuit):

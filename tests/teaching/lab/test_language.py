@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import asyncio
 import urllib.request
+from html import escape
 from typing import Any
 
 import pytest
@@ -24,13 +25,13 @@ def test_tabs_have_their_english_names():
 
 
 def test_a_tab_without_translation_is_english_with_a_note():
-    """The compass is German; the tab for loops is English, with a note in German."""
+    """In French the compass is French; the tab for loops is English, with a note in French."""
     compass, loops = (
-        views.intro(guides.tab(name, "de").guide, "de") for name in (guides.COMPASS, guides.LOOPS)
+        views.intro(guides.tab(name, "fr").guide, "fr") for name in (guides.COMPASS, guides.LOOPS)
     )
-    note = "Dieser Teil der Seite ist noch nicht übersetzt. Sein Text ist englisch."
-    assert "Das blaue Schiff" in compass
-    assert "Sage voraus:" in compass
+    note = escape("Cette partie de la page n'est pas encore traduite. Son texte est en anglais.")
+    assert "Le navire bleu" in compass
+    assert "Prédisez" in compass
     assert note not in compass
     assert note in loops
     assert note not in views.intro(guides.tab(guides.LOOPS).guide)
@@ -48,7 +49,7 @@ def test_german_exercises_of_the_page():
     shown = views.verdict(reply, "de")
     for words in ("legs: ✗ falsch", "Sieh noch einmal nach", "Gelesen als:"):
         assert words in shown
-    assert "noch nicht übersetzt" in views.exercise(problems.statement("2.1", 0, "de"), "de")
+    assert "pas encore traduit" in views.exercise(problems.statement("3.1", 0, "fr"), "fr")
 
 
 @pytest.mark.parametrize(

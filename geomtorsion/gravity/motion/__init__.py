@@ -1,0 +1,1 @@
+"""Motion: solutions of reduced field equations, from one place or between two."""

@@ -1,0 +1,308 @@
+"""Boundary: free numbers at the start for which functions have given values elsewhere."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass, replace
+from typing import NoReturn
+
+import numpy as np
+import sympy as sp
+
+from geomtorsion.errors import EndpointError, GravityError, StartError, TimeError
+from geomtorsion.gravity.motion.shots import Aim, Leg, Shooter, conditions_of
+from geomtorsion.gravity.motion.solving import checked_theory
+from geomtorsion.gravity.reduced.reduction import Reduction
+from geomtorsion.gravity.reduced.starts import numbers_of
+from geomtorsion.gravity.theory.field_equations import FieldEquations
+from geomtorsion.ode import At, Engine, Solution, When
+from geomtorsion.ode.derivatives import checked_by
+from geomtorsion.ode.error_estimate import AIM
+from geomtorsion.ode.newton import SHOTS, Hit, Newton, tried
+from geomtorsion.ode.numbers import checked_accuracy
+from geomtorsion.support import checks
+from geomtorsion.support.outgoing import measured_text, size_text
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class Shooting:
+    """Result of `shoot`: the solution, and the start values for which its boundary conditions hold.
+
+    values: free numbers by name. errors: estimates of their errors, absolute, which include the
+        remainders.
+    misses: condition -> its value minus the demanded one. remainders: condition at infinity ->
+        estimate of the error of its extrapolation from finite places.
+    solution: from the start; outside: beyond the event at which it ends, or None.
+    shots: number of solutions that Newton's iteration computed.
+    """
+
+    values: Mapping[str, float]
+    errors: Mapping[str, float]
+    misses: Mapping[str, float]
+    remainders: Mapping[str, float]
+    solution: Solution
+    outside: Solution | None
+    shots: int
+
+    def __str__(self) -> str:
+        lines = [
+            f"{name} = {measured_text(value, self.errors[name])}"
+            for name, value in self.values.items()
+        ]
+        for name, miss in self.misses.items():
+            line = f"{name}: missed by {size_text(abs(miss))}"
+            if name in self.remainders:
+                line += f", remainder {size_text(self.remainders[name])}"
+            lines.append(line)
+        return "\n".join([*lines, f"{self.shots} shots", str(self.outside or self.solution)])
+
+    __repr__ = __str__
+
+
+def shoot(
+    equations: FieldEquations | Reduction,
+    variable: object,
+    last: object,
+    start: Mapping[str, object],
+    parameters: Mapping[str, object] | None = None,
+    *,
+    free: Sequence[str],
+    boundary: Mapping[str, object],
+    outside: FieldEquations | Reduction | None = None,
+    conditions: object = (),
+    near: Mapping[str, object] | None = None,
+    origin: object = 0,
+    outputs: Mapping[str, object] | None = None,
+    events: Iterable[At | When] = (),
+    accuracy: float = 1e-10,
+    engine: Engine | None = None,
+) -> Shooting:
+    """Solve field equations with values demanded at the end or at infinity, by shooting.
+
+    Newton's iteration, the one of `gt.log_map`, changes the free numbers until the conditions hold.
+    Where a first guess does not lead there, the conditions are demanded at a nearer place first,
+    which then moves outwards. A value at infinity is extrapolated from the values at
+    the outer places by powers of the inverse of the variable; the remainder is the change of the
+    extrapolation if the last place is omitted.
+
+    Parameters
+    ----------
+    equations, variable, start, parameters, conditions, near, origin, outputs, engine
+        as for `solve`. The start and the parameters hold first guesses of the free numbers.
+    last
+        the last value of the variable, or increasing values.
+    free
+        names of numbers in the start or the parameters that are to be found.
+    boundary
+        expression over states and outputs -> its value at the end: {"A": 1, "phi_1 + m*phi": 0}.
+        "phi(oo)" is the limit at infinity.
+    outside
+        equations beyond the event that ends the first ones, such as the vacuum around a star; the
+        boundary values are demanded of their solution.
+    events
+        as for `solve`, for the first equations.
+    accuracy
+        of the conditions, relative to the size of each expression at the start.
+
+    Raises
+    ------
+    GravityError
+        there are more or fewer conditions than free numbers.
+    EndpointError
+        no free numbers were found: the message names the farthest place that was reached.
+
+    Examples
+    --------
+    A universe of dust whose size has doubled at t = 1:
+
+    >>> import sympy as sp
+    >>> import geomtorsion as gt
+    >>> t, x, y, z = sp.symbols("t x y z")
+    >>> a = sp.Function("a")(t)
+    >>> cosmos = gt.Frame([t, x, y, z], sp.diag(1, a, a, a), (-1, 1, 1, 1))
+    >>> dust = gt.gravity.fluid("rho(t)", 0, [1, 0, 0, 0])
+    >>> equations = gt.gravity.equations(gt.levi_civita(cosmos), "R/2", dust)
+    >>> answer = gt.gravity.shoot(
+    ...     equations, "t", 1, {"a": 1, "rho": 3}, near={"a_1": 1}, free=["rho"], boundary={"a": 2}
+    ... )
+    >>> round(answer.values["rho"], 9), round(4 * (2**1.5 - 1) ** 2 / 3, 9)
+    (4.457527667, 4.457527667)
+    """
+    accuracy = checked_accuracy(accuracy)
+    numbers = checks.by_name(parameters or {}, "parameters", StartError)
+    outputs = checks.by_name(outputs or {}, "outputs", GravityError)
+    theories = [checked_theory(equations)]
+    if outside is not None:
+        theories.append(checked_theory(outside, "outside"))
+    reductions = [
+        one if isinstance(one, Reduction) else one.reduce(variable, conditions) for one in theories
+    ]
+    for one in reductions:
+        checks.known_name(variable, [one.variable], "variable", GravityError)
+    names = checked_by(free, (*checks.by_name(start, "start", StartError), *numbers), "free")
+    demands = conditions_of(boundary, outputs)
+    if len(demands) != len(names):
+        listed = ", ".join(one.written for one in demands) or "none"
+        raise GravityError(
+            f"boundary: expected as many conditions as free numbers, got {listed} for "
+            f"{', '.join(names)}. "
+            + (
+                "Free another number of the start, or drop a condition."
+                if len(demands) > len(names)
+                else "Add a condition, or free fewer numbers."
+            )
+        )
+    texts = reductions[-1].read({one.text: one.expression for one in demands}, "boundary value")
+    conditional = {f"condition_{k}": one for k, one in enumerate(texts.values(), 1)}
+    legs = [
+        Leg(
+            one,
+            near or {},
+            {**outputs, **(conditional if one is reductions[-1] else {})},
+            tuple(events) if one is reductions[0] else (),
+            # As in `log_map`, solutions are better than the hits.
+            AIM * accuracy,
+            engine,
+        )
+        for one in reductions
+    ]
+    guesses = numbers_of({x: {**numbers, **start}[x] for x in names}, names, "free")
+    shooter = Shooter(
+        tuple(legs),
+        start,
+        numbers,
+        origin,
+        tuple(demands),
+        names,
+        tuple(guesses.values()),
+        tuple(abs(x) or sp.Integer(1) for x in guesses.values()),
+        accuracy,
+    )
+    # A start that does not fit the equations is an error of its own.
+    for name in numbers:
+        constants = [x for one in reductions for x in one.constants]
+        checks.known_name(name, constants, "parameters", GravityError)
+    own = {name: x for name, x in numbers.items() if name in reductions[0].constants}
+    place, _ = reductions[0].begin(start, own, near=near, origin=origin)
+    times = checks.array(last, "last", TimeError)
+    end = float(times.ravel()[-1])
+    if end == float(place):
+        raise TimeError(
+            f"last: expected a value beyond {variable} = {end:.6g}, where the start is, got this "
+            "place. Give another one."
+        )
+    return _Search(shooter, float(place), end).answer(times)
+
+
+@dataclass(frozen=True, eq=False)
+class _Search:
+    """The search for free numbers.
+
+    shooter: around the first guess. place, last: values of the variable, first and last.
+    """
+
+    shooter: Shooter
+    place: float
+    last: float
+
+    @property
+    def ones(self) -> np.ndarray:
+        """The vector of the centre."""
+        return np.ones(len(self.shooter.free))
+
+    def answer(self, times: np.ndarray) -> Shooting:
+        """The solution that fulfils the conditions, at the requested values of the variable."""
+        shooter, hit, shots = self.followed()
+        aim = hit.aim
+        assert isinstance(aim, Aim)
+        if any(one.at_infinity for one in shooter.conditions):
+            solutions = shooter.solutions(hit.vector, self.last)
+            open_orders = [None if one.at_infinity else 0 for one in shooter.conditions]
+            orders = tuple(one.order for one in shooter.limits(solutions, open_orders))
+            sharper = replace(aim, orders=orders)
+            limited = Newton(shooter, shooter.accuracy).hit(sharper, hit.vector, hit.inverse)
+            if limited is None:
+                self.refuse(shooter, self.last)
+            hit, aim, shots = limited, sharper, shots + limited.shots
+        inverse = hit.inverse
+        if inverse is None:
+            inverse = Newton(shooter, shooter.accuracy).inverse_slopes(hit.shot, aim)
+        if inverse is None:
+            self.refuse(shooter, self.last)
+        whole = shooter.solutions(hit.vector, self.last)
+        best = [None if one.at_infinity else 0 for one in shooter.conditions]
+        remainders = [one.remainder for one in shooter.limits(whole, best)]
+        noise = [
+            sum(x.error for x in whole) * float(np.nanmax(np.abs(whole[-1][f"condition_{k}"])))
+            for k in range(1, len(remainders) + 1)
+        ]
+        wrong = np.abs(hit.shot.gap) + (np.array(noise) + np.array(remainders)) / aim.scales
+        # Twice, because an earlier shot gave the slopes.
+        sizes = 2 * np.array(list(map(float, shooter.units))) * (np.abs(inverse) @ wrong)
+        values = {name: float(x) for name, x in shooter.numbers(hit.vector).items()}
+        texts = [one.written for one in shooter.conditions]
+        solutions = shooter.solutions(hit.vector, times) if times.ndim else whole
+        return Shooting(
+            values,
+            {
+                name: max(error, abs(value) * shooter.accuracy)
+                for (name, value), error in zip(values.items(), sizes.tolist(), strict=True)
+            },
+            dict(zip(texts, (hit.shot.gap * aim.scales).tolist(), strict=True)),
+            {
+                text: remainder
+                for text, remainder, one in zip(texts, remainders, shooter.conditions, strict=True)
+                if one.at_infinity
+            },
+            solutions[0],
+            solutions[1] if len(solutions) > 1 else None,
+            shots,
+        )
+
+    def followed(self) -> tuple[Shooter, Hit, int]:
+        """The hit at the last value, from the first guess, perhaps by nearer values."""
+        shooter, scales, shots = self.shooter, None, 0
+        reached, step = self.place, self.last - self.place
+        whole = abs(step)
+        for _ in range(3 * SHOTS):
+            is_last = abs(reached + step - self.place) >= whole
+            end = self.last if is_last else reached + step
+            hit = None
+            if scales is None:
+                solutions = tried(shooter.solutions, self.ones, end)
+                scales = None if solutions is None else shooter.sizes(solutions)
+            if scales is not None:
+                aim = Aim(end, scales, (0,) * len(scales), shooter.accuracy)
+                hit = Newton(shooter, shooter.accuracy).hit(aim, self.ones)
+            if hit is None:
+                step /= 2
+                if abs(step) < AIM**4 * whole:
+                    break
+                continue
+            shots += hit.shots
+            if is_last:
+                return shooter, hit, shots
+            shooter, reached, step = shooter.around(hit), end, 2 * step
+        self.refuse(shooter, reached)
+
+    def refuse(self, shooter: Shooter, reached: float) -> NoReturn:
+        """Refuse conditions for which no numbers were found."""
+        name = shooter.legs[0].reduction.variable
+        values = ", ".join(f"{x} = {float(y):.8g}" for x, y in shooter.numbers(self.ones).items())
+        wanted = "; ".join(one.written for one in shooter.conditions)
+        if reached != self.place:
+            result = (
+                f"The conditions hold at {name} = {reached:.6g} for {values}, but not at "
+                f"{self.last:.6g}: the end depends too much on the start, or no such solution "
+                "continues. Give a nearer last value, or conditions that a growing solution "
+                "violates less"
+            )
+        else:
+            result = (
+                f"The first guess {values} leads to none, also where the conditions are demanded "
+                "nearer. A solution with these values may not exist. Give another first guess"
+            )
+        raise EndpointError(
+            f"shoot: expected {', '.join(shooter.free)} for which {wanted} at {name} = "
+            f"{self.last:.6g}, got none. {result}."
+        )

@@ -1,0 +1,1 @@
+"""Reduced: equations of functions of one variable, from jets to first-order equations."""

@@ -1,0 +1,1 @@
+"""States: equations of state of cold matter, their tables and their units."""

@@ -1,0 +1,1 @@
+"""Theory: Lagrangians, their invariants and matter, and the field equations that follow."""

@@ -1,0 +1,1 @@
+"""Effects: the smallest set of effects that an accuracy calls for."""
