@@ -70,7 +70,7 @@ def part_of(text: str) -> tuple[int, int]:
 
 def pytest_collection_modifyitems(config: pytest.Config, items: list[pytest.Item]) -> None:
     """Run the long tests first; leave out what belongs to another part."""
-    part, count = config.getoption("--part")
+    part, count = config.option.part
 
     def drawn(item: pytest.Item) -> bool:
         return crc32(item.nodeid.encode()) % count == part
