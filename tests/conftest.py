@@ -69,7 +69,7 @@ def part_of(text: str) -> tuple[int, int]:
 
 
 def pytest_collection_modifyitems(config: pytest.Config, items: list[pytest.Item]) -> None:
-    """Run the long tests first; leave out what belongs to another part."""
+    """Run the long tests first, and none of other parts."""
     part, count = config.option.part
 
     def drawn(item: pytest.Item) -> bool:

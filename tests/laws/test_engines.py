@@ -97,7 +97,7 @@ OWN: list[Engine] = [RungeKutta(), Stiff("Radau"), Stiff("LSODA")]
 if is_available():
     OWN += [Taylor(), Taylor(64), Taylor(113)]
 every_engine = pytest.mark.parametrize("engine", [*OWN, Mine()], ids=lambda engine: engine.name)
-# Of long motions two stay in the normal run: by the engine without heyoka, and by that of a user.
+# Two engines solve long motions in the normal run, one without heyoka and one of a user.
 two_engines = pytest.mark.parametrize(
     "engine", few(2, [*OWN, Mine()]), ids=lambda engine: engine.name
 )

@@ -76,8 +76,8 @@ def test_chern_simons_has_none():
 
 @pytest.mark.parametrize(
     ("lagrangian", "geometry", "gauge"),
-    [("R", "riemannian", 3), ("R - 2*Lambda", "riemannian", 3), ("R", "poincare", 6),
-     ("T", "teleparallel", 6)],
+    few(1, [("R", "riemannian", 3), ("R - 2*Lambda", "riemannian", 3), ("R", "poincare", 6),
+            ("T", "teleparallel", 6)]),
 )  # fmt: skip
 def test_gravity_in_three_dimensions_has_none(lagrangian: str, geometry: str, gauge: int):
     """General relativity in its three forms: n(n - 3)/2 = 0, with its gauge functions."""
@@ -102,6 +102,7 @@ def test_f_of_t_in_three_dimensions():
     assert sum(m for m, _ in answer.gauge) == 3
 
 
+@pytest.mark.slow
 def test_f_of_t_in_the_vacuum():
     """The coupling of the scalar is turned off step by step: f(T) has 2."""
     options: Any = {"dimension": 3, "scalars": {"phi": "log(1 + t)"}, "constants": "s"}
