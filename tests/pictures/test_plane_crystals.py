@@ -17,7 +17,7 @@ def test_a_perfect_crystal_has_atoms_and_no_arrow():
     """One series of all atoms; the axes name a unit only if it is known."""
     crystal = PlaneCrystal(np.column_stack([COLUMNS, ROWS]))
     axes = crystal.plot().axes[0]
-    assert [len(line.get_xdata()) for line in axes.lines] == [crystal.count]
+    assert [np.size(line.get_xdata()) for line in axes.lines] == [crystal.count]
     assert not axes.texts
     assert axes.get_xlabel() == "x (unit of the positions)"
     figure = gt.pictures.draw_plane_crystal(crystal, "nm")

@@ -39,7 +39,6 @@ from geomtorsion.teaching.lab.turning import Curve, Film, turnable
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
-
 FRAMES = "frames"
 # Words for regions that are not a lattice.
 _REGIONS = {"wall": "in walls", "none": "without a lattice"}
@@ -129,7 +128,7 @@ def crystal(
                 f"{name}: expected a file .npy or .npz, got {file.name}, which has its own cell. "
                 "Omit the option."
             )
-    names = None if species is None else tuple(x.strip() for x in species.split(","))
+    names = None if species is None else tuple(map(str.strip, species.split(",")))
     settings = Wanted(
         lattice, _axes(orient), constant, read_as, partials, convention, edges, axes, names
     )
@@ -416,9 +415,8 @@ def _save(document: Json, net: DislocationNetwork | PlaneCrystal, folder: Path) 
     write_text(paths[0], json.dumps(document, indent=1) + "\n")
     left_out: list[str] = []
     if isinstance(net, PlaneCrystal):
-        pictures = _picture(lambda: draw_plane_crystal(net), folder, left_out)
-        _report([paths[0], *pictures], left_out)
-        return
+        drawn = _picture(lambda: draw_plane_crystal(net), folder, left_out)
+        return _report([paths[0], *drawn], left_out)
     title = name if len(frames) == 1 else f"{name}, frame {frames[-1]['frame']}"
     write_text(paths[1], _page(frames[-1], title))
     if len(frames) > 1:
@@ -439,17 +437,16 @@ def _picture(draw: Callable[[], Figure], folder: Path, left_out: list[str]) -> l
     """The picture of a crystal; without matplotlib, the reason is added to left_out."""
     try:
         save(draw(), folder / "crystal.png")
+        return [folder / "crystal.png"]
     except MissingExtraError as error:
         left_out.append(f"no picture: {error}")
         return []
-    return [folder / "crystal.png"]
 
 
 def _report(paths: list[Path], left_out: list[str]) -> None:
     """Which files are written, and which are not."""
-    for text in left_out:
+    for text in [*left_out, f"wrote {', '.join(map(str, paths))}"]:
         typer.echo(text, err=True)
-    typer.echo(f"wrote {', '.join(map(str, paths))}", err=True)
 
 
 def _page(report: Json, title: str) -> str:
