@@ -101,7 +101,7 @@ class SolvedTheory:
         }
 
     def show(self) -> None:
-        """Print the theory, a table of the solution, its errors and what was proved."""
+        """Print the theory, a table of the solution, its errors and its proof."""
         lagrangian = self.model.equations.lagrangian.expression
         typer.secho(f"{self.model.space.name}: L = {lagrangian}", bold=True)
         typer.echo(f"{self.reduction}\n")
