@@ -266,7 +266,9 @@ class Switching:
         rates = self.rates
         expressions = {name: resolved(x, choice) for name, x in rates.expressions.items()}
         stops = tuple(resolved(x, choice) for x in rates.stops)
-        marks = sorted({str(y.args[0]) for x in (*expressions.values(), *stops) for y in x.atoms(ends)})
+        marks = sorted(
+            {str(y.args[0]) for x in (*expressions.values(), *stops) for y in x.atoms(ends)}
+        )
         clocked = rates.has_clock or any(x.has(self.time) for x in self.untimed)
         one = replace(rates, expressions=expressions, stops=stops, is_clocked=clocked)
         if marks:
