@@ -5,9 +5,10 @@ A ball contains the true value despite rounding.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 from functools import lru_cache
+from itertools import count
 from typing import Any, Literal
 
 import sympy as sp
@@ -133,42 +134,46 @@ def source(steps: Sequence[Step], outputs: Sequence[Signed], kind: Kind) -> str:
     a: arguments; n: the numbers of the graph, at any precision.
     """
     lines: list[str] = []
-    numbers = 0
+    numbers = count()
     pairs = _pairs(steps)
-    flag = ", analytic" if kind == "complex" else ""
     for place, step in enumerate(steps):
-        inner = [f"t{operand}" for operand in step.operands]
-        name, detail = step.kind, step.detail
-        if name == "argument":
-            code = f"ball(a[{detail}])" if flag else f"a[{detail}]"
-        elif name in ("number", "digits"):
-            code = f"ball(n[{numbers}])" if flag else f"n[{numbers}]"
-            numbers += 1
-        elif name == "imaginary":
-            code = "unit"
-        elif name == "sum":
-            signed = zip(step.signs, inner, strict=True)
-            code = "".join(f" {'+' if sign > 0 else '-'} {x}" for sign, x in signed)
-            code = code.removeprefix(" + ").lstrip()
-        elif name == "product":
-            code = f"{inner[0]} * {inner[1]}"
-        elif name == "square":
-            code = f"{inner[0]} * {inner[0]}"
-        elif name == "quotient":
-            code = f"{inner[0]} / {inner[1]}" if flag else f"over({inner[0]}, {inner[1]})"
-        elif name == "root":
-            code = f"root({inner[0]}, {detail}{flag})"
-        elif detail in ("sin", "cos") and step.operands[0] in pairs:
+        if step.kind == "call" and step.detail in ("sin", "cos") and step.operands[0] in pairs:
             both = pairs[step.operands[0]]
             if place == min(both):
-                lines.append(f"t{both[0]}, t{both[1]} = {inner[0]}.sin_cos()")
-            continue
+                lines.append(f"t{both[0]}, t{both[1]} = t{step.operands[0]}.sin_cos()")
         else:
-            code = f"{detail}({', '.join(inner)}{flag})"
-        lines.append(f"t{place} = {code}")
+            lines.append(f"t{place} = {_code(step, numbers, kind)}")
     results = ", ".join(("" if sign > 0 else "-") + f"t{place}" for sign, place in outputs)
-    header = f"def values(a, n{', analytic=False' if flag else ''}):"
+    header = f"def values(a, n{', analytic=False' if kind == 'complex' else ''}):"
     return "\n    ".join([header, *lines, f"return [{results}]"])
+
+
+def _code(step: Step, numbers: Iterator[int], kind: Kind) -> str:
+    """The right side of a step; numbers: places of the numbers of the graph that are next."""
+    inner = [f"t{operand}" for operand in step.operands]
+    detail, is_complex = step.detail, kind == "complex"
+    flag = ", analytic" if is_complex else ""
+    match step.kind:
+        case "argument":
+            return f"ball(a[{detail}])" if is_complex else f"a[{detail}]"
+        case "number" | "digits":
+            return f"ball(n[{next(numbers)}])" if is_complex else f"n[{next(numbers)}]"
+        case "imaginary":
+            return "unit"
+        case "sum":
+            signed = zip(step.signs, inner, strict=True)
+            terms = "".join(f" {'+' if sign > 0 else '-'} {x}" for sign, x in signed)
+            return terms.removeprefix(" + ").lstrip()
+        case "product":
+            return f"{inner[0]} * {inner[1]}"
+        case "square":
+            return f"{inner[0]} * {inner[0]}"
+        case "quotient":
+            return f"{inner[0]} / {inner[1]}" if is_complex else f"over({inner[0]}, {inner[1]})"
+        case "root":
+            return f"root({inner[0]}, {detail}{flag})"
+        case _:
+            return f"{detail}({', '.join(inner)}{flag})"
 
 
 def _pairs(steps: Sequence[Step]) -> dict[int, tuple[int, int]]:

@@ -49,33 +49,45 @@ def merged(base: Sum) -> dict[Merged, fmpq] | None:
     >>> [(number, power) for (_, ((_, power),)), number in merged(base).items()]
     [(1, -1)]
     """
-    generators = {g for _, monomial in base.terms for g, _ in monomial}
-    arguments = {g.shown.args[0]: g for g in generators if g.kind == "cosh"}
-    pairs = [g for g in generators if g.kind == "sinh" and g.shown.args[0] in arguments]
-    if not pairs:
+    even = _cosh_of(base)
+    if not even:
         return None
-    even = {g: arguments[g.shown.args[0]] for g in pairs}
-    even |= {g: g for g in even.values()}
     total: dict[Merged, fmpq] = {}
     for value, monomial in base.terms:
         rest = tuple((g, n) for g, n in monomial if g not in even)
-        parts: dict[tuple[tuple[Generator, int], ...], fmpq] = {(): value}
-        for cosh in dict.fromkeys(even[g] for g, _ in monomial if g in even):
-            odd, whole = (
-                sum(n for g, n in monomial if even.get(g) is cosh and g.kind == kind)
-                for kind in ("sinh", "cosh")
-            )
-            powers = _powers(whole, odd)
-            parts = {
-                (*product, (cosh, power)) if power else product: number * factor
-                for product, number in parts.items()
-                for power, factor in powers.items()
-            }
-        for powers_of, number in parts.items():
-            key = rest, powers_of
-            total[key] = total.get(key, fmpq(0)) + number
+        for powers, number in _by_exp(monomial, even).items():
+            key = rest, powers
+            total[key] = total.get(key, fmpq(0)) + value * number
     terms = {key: number for key, number in total.items() if number}
     return terms if len(terms) < len(base.terms) else None
+
+
+def _cosh_of(base: Sum) -> dict[Generator, Generator]:
+    """For each sinh(x) and cosh(x) of a sum in which both occur: the generator cosh(x)."""
+    generators = {g for _, monomial in base.terms for g, _ in monomial}
+    arguments = {g.shown.args[0]: g for g in generators if g.kind == "cosh"}
+    pairs = [g for g in generators if g.kind == "sinh" and g.shown.args[0] in arguments]
+    even = {g: arguments[g.shown.args[0]] for g in pairs}
+    return even | {g: g for g in even.values()}
+
+
+def _by_exp(
+    monomial: Monomial, even: dict[Generator, Generator]
+) -> dict[tuple[tuple[Generator, int], ...], fmpq]:
+    """The hyperbolic functions of a monomial as {powers of exp: coefficient}."""
+    parts: dict[tuple[tuple[Generator, int], ...], fmpq] = {(): fmpq(1)}
+    for cosh in dict.fromkeys(even[g] for g, _ in monomial if g in even):
+        odd, whole = (
+            sum(n for g, n in monomial if even.get(g) is cosh and g.kind == kind)
+            for kind in ("sinh", "cosh")
+        )
+        powers = _powers(whole, odd)
+        parts = {
+            (*product, (cosh, power)) if power else product: number * factor
+            for product, number in parts.items()
+            for power, factor in powers.items()
+        }
+    return parts
 
 
 def _powers(even: int, odd: int) -> dict[int, fmpq]:

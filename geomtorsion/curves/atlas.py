@@ -26,7 +26,7 @@ from geomtorsion.geometry.domain_edges import Edge
 from geomtorsion.ode.numbers import Numbers, Real, mpf
 from geomtorsion.support import checks
 from geomtorsion.support.caching import cached_property
-from geomtorsion.support.copies import comparable, content_hash, equal_content, only_fields
+from geomtorsion.support.copies import ByContent, comparable, only_fields
 from geomtorsion.support.precision import working_precision
 
 if TYPE_CHECKING:
@@ -328,7 +328,7 @@ class Chart:
 
 
 @dataclass(frozen=True, eq=False)
-class TransitionMap:
+class TransitionMap(ByContent):
     """An exact map from one chart into another.
 
     source, target: names of charts.
@@ -348,12 +348,6 @@ class TransitionMap:
     sample: Mapping[sp.Symbol, Any] | None = None
     written: Written | None = None
 
-    def __eq__(self, other: object) -> bool:
-        return equal_content(self, other)
-
-    def __hash__(self) -> int:
-        return content_hash(self)
-
     def __post_init__(self) -> None:
         for name in ("source", "target"):
             checks.text(getattr(self, name), name, ArgumentError)
@@ -363,9 +357,6 @@ class TransitionMap:
         size = len(checks.entries(self.expressions, "expressions"))
         for k, index in enumerate(checks.entries(self.angles, "angles")):
             checks.count(index, f"angles[{k}]", ArgumentError, 0, size - 1)
-
-    def __getstate__(self) -> dict[str, object]:
-        return only_fields(self)
 
     @cached_property
     def elements(self) -> list[Element]:

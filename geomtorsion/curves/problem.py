@@ -27,7 +27,7 @@ from geomtorsion.curves.stops import (
     terms_in_chart,
     with_stops,
 )
-from geomtorsion.curves.to_ode import ode_of
+from geomtorsion.curves.to_ode import ode_of, without_values
 from geomtorsion.curves.transported import Carried, Derivatives, carrying
 from geomtorsion.errors import (
     AccuracyError,
@@ -65,7 +65,7 @@ from geomtorsion.ode.terms import At, When, expression, symbol_table
 from geomtorsion.ode.trajectory import Event, Segment, Stage, State, Trajectory
 from geomtorsion.support import checks
 from geomtorsion.support.caching import cached_property
-from geomtorsion.support.copies import content_hash, equal_content, only_fields
+from geomtorsion.support.copies import ByContent
 from geomtorsion.support.displays import drawn_by, latex_of
 from geomtorsion.support.hints import attribute_hints
 from geomtorsion.support.precision import CALCULATED, EPS
@@ -77,7 +77,7 @@ if TYPE_CHECKING:
 
 @attribute_hints(solve="gt.solve(problem, times)")
 @dataclass(frozen=True, eq=False)
-class CurveProblem:
+class CurveProblem(ByContent):
     """Curve to solve for: law, frame and start; made by `geodesic`, `autoparallel`, ...
 
     name: of the curve.
@@ -117,15 +117,6 @@ class CurveProblem:
     _beginnings: dict[int, tuple[str, MovingPoint]] = field(
         default_factory=dict, repr=False, init=False
     )
-
-    def __eq__(self, other: object) -> bool:
-        return equal_content(self, other)
-
-    def __hash__(self) -> int:
-        return content_hash(self)
-
-    def __getstate__(self) -> dict[str, object]:
-        return only_fields(self)
 
     # Its name in files.
     kind = "curve"
@@ -458,11 +449,7 @@ class CurveProblem:
 
     def check_start(self) -> None:
         """Refuse forces in pieces, a start beyond an edge, and find the first chart."""
-        if isinstance(self.law, Forced) and self.law.unknown:
-            raise ExpressionError(
-                f"force: expected an expression with values, got the function {self.law.unknown}. "
-                "Solve curve.to_ode(tables=...), which takes pieces(...) and tables."
-            )
+        self._check_values()
         if self.start is None:
             self._check_stops({})
             return
@@ -478,6 +465,11 @@ class CurveProblem:
                 )
         self._check_stops(point)
         self._beginning(53)
+
+    def _check_values(self) -> None:
+        """Refuse forces in pieces and functions without values."""
+        if isinstance(self.law, Forced) and self.law.unknown:
+            raise ExpressionError(without_values(self.law.unknown))
 
     def _check_stops(self, point: Mapping[str, float]) -> None:
         """Refuse a start at which a condition to stop has fallen already."""
@@ -565,6 +557,7 @@ class CurveProblem:
     def system(self, label: str) -> System:
         """Equations for the engines in a chart, with the conditions that end the curve."""
         if label not in self._systems:
+            self._check_values()
             equations, single = self.equations(label), len(self.charts) == 1
             system = equations.system.to_the_end if single else equations.system
             if self.stops:

@@ -81,23 +81,12 @@ def with_products(source: Source, tokens: Sequence[Token]) -> list[Token]:
     under = [""]
     for k, token in enumerate(tokens):
         before = result[-1] if result else None
-        if token.kind == "name" or token.text == "(":
-            after_value = before is not None and (before.kind != "sign" or before.text == ")")
-            called = token.text == "(" and before is not None and before.kind == "name"
-            if after_value and before is not None and not called:
-                spaced = token.start > before.end
-                power = [x.text for x in result[-3:-1]] == ["E", "**"] and before.kind == "number"
-                if power or under[-1] == "value" or (under[-1] and not spaced):
-                    reason = "this can be read in two ways, because a product has no sign"
-                    remedy = "Put brackets around the denominator or the exponent, and write *."
-                    raise source.error(before.start, token.end, reason, remedy)
-                result.append(Token("sign", "*", token.start, token.start))
-                under[-1] = ""
+        if before is not None and _omits_product(before, token):
+            _refuse_two_readings(source, result, token, under[-1])
+            result.append(Token("sign", "*", token.start, token.start))
+            under[-1] = ""
         if token.text == "/":
-            first = result[-2].text if len(result) > 1 else "("
-            after = tokens[k + 1].kind if k + 1 < len(tokens) else ""
-            plain = before is not None and before.kind == after == "number" and first in "(+-,"
-            under[-1] = "fraction" if plain else "value"
+            under[-1] = "fraction" if _is_fraction(result, tokens[k + 1 : k + 2]) else "value"
         elif token.text in ("+", "-", "*", ",") and (before is None or before.text != "**"):
             under[-1] = ""
         elif token.text == "(":
@@ -106,6 +95,31 @@ def with_products(source: Source, tokens: Sequence[Token]) -> list[Token]:
             under.pop()
         result.append(token)
     return result
+
+
+def _omits_product(before: Token, token: Token) -> bool:
+    """Whether two tokens are factors without a sign between them, and not the start of a call."""
+    ends_value = before.kind != "sign" or before.text == ")"
+    called = token.text == "(" and before.kind == "name"
+    return ends_value and not called and (token.kind == "name" or token.text == "(")
+
+
+def _refuse_two_readings(source: Source, result: Sequence[Token], token: Token, under: str) -> None:
+    """Refuse a factor that may belong to the denominator or the exponent before it."""
+    before = result[-1]
+    spaced = token.start > before.end
+    power = [x.text for x in result[-3:-1]] == ["E", "**"] and before.kind == "number"
+    if power or under == "value" or (under and not spaced):
+        reason = "this can be read in two ways, because a product has no sign"
+        remedy = "Put brackets around the denominator or the exponent, and write *."
+        raise source.error(before.start, token.end, reason, remedy)
+
+
+def _is_fraction(result: Sequence[Token], after: Sequence[Token]) -> bool:
+    """Whether a division is between two numbers, the first of them at the start of a term."""
+    if not result or not after or not result[-1].kind == after[0].kind == "number":
+        return False
+    return len(result) == 1 or result[-2].text in "(+-,"
 
 
 def too_deep(limits: Limits) -> str:

@@ -10,7 +10,7 @@ import numpy as np
 
 from geomtorsion.errors import ShapeError, StartError, UnknownNameError
 from geomtorsion.support import checks
-from geomtorsion.support.copies import content_hash, equal_content
+from geomtorsion.support.copies import ByContent
 
 # One number for all data of a quantity, or one for each; None: columns sigma_NAME of the data.
 Noise: TypeAlias = "float | Sequence[float] | np.ndarray | Mapping[str, object] | None"
@@ -18,7 +18,7 @@ NOISE = "sigma_"
 
 
 @dataclass(frozen=True, eq=False)
-class Data:
+class Data(ByContent):
     """Measured numbers with their noise, NaN where one is missing.
 
     at: times, or numbers of loops, shape (m,).
@@ -28,12 +28,6 @@ class Data:
     at: np.ndarray
     values: Mapping[str, np.ndarray]
     sigma: Mapping[str, np.ndarray]
-
-    def __eq__(self, other: object) -> bool:
-        return equal_content(self, other)
-
-    def __hash__(self) -> int:
-        return content_hash(self)
 
     @classmethod
     def of(cls, at: np.ndarray, data: object, sigma: object, quantities: Sequence[str]) -> Data:

@@ -12,7 +12,7 @@ import scipy  # loads its parts on first use
 
 from geomtorsion.fits.data import Data
 from geomtorsion.support.caching import cached_property
-from geomtorsion.support.copies import content_hash, equal_content, only_fields
+from geomtorsion.support.copies import ByContent
 from geomtorsion.support.displays import Plot, drawn_by, figure_by
 from geomtorsion.support.outgoing import measured_text
 
@@ -23,7 +23,7 @@ SURPRISE = math.erfc(FAR / math.sqrt(2))
 
 
 @dataclass(frozen=True, eq=False)
-class Direction:
+class Direction(ByContent):
     """A joint change of parameters.
 
     changes: name -> change, those that are involved.
@@ -36,18 +36,12 @@ class Direction:
 
     changes: Mapping[str, float]
 
-    def __eq__(self, other: object) -> bool:
-        return equal_content(self, other)
-
-    def __hash__(self) -> int:
-        return content_hash(self)
-
     def __str__(self) -> str:
         return " with ".join(f"{name} by {x:.3g}" for name, x in self.changes.items())
 
 
 @dataclass(frozen=True, eq=False)
-class Fit:
+class Fit(ByContent):
     """Parameters that fit data with noise, with errors; made by `fit`.
 
     values: name -> best value.
@@ -77,15 +71,6 @@ class Fit:
     loss: str
     solves: int
     source: Any = field(compare=False)  # users know which model they fitted
-
-    def __eq__(self, other: object) -> bool:
-        return equal_content(self, other)
-
-    def __hash__(self) -> int:
-        return content_hash(self)
-
-    def __getstate__(self) -> dict[str, object]:
-        return only_fields(self)
 
     def __getitem__(self, name: str) -> float:
         """The best value of a parameter."""

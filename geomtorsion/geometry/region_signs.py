@@ -350,21 +350,13 @@ def decided(poly: fmpq_mpoly, free: Sequence[int]) -> tuple[int, list[tuple[Frac
     >>> decided(x**2 - 2 * x + 1 - fmpq(1, 10**6), [])[1][0]
     (Fraction(1, 1),)
     """
-    ring, degrees = poly.context(), poly.degrees()
+    degrees = poly.degrees()
     squares = [k for k, degree in enumerate(degrees) if degree == 2]
     free = [k for k in free if degrees[k]]
     for k in squares if len(poly) <= CELLS else ():
         if sign := _of_square(poly, k, free):
             return sign, []
-    plain = [(fmpq(1), fmpq(0), fmpq(0), fmpq(1))] * ring.nvars()
-    queue, signs, middles = deque[Cell](), set[int](), dict[int, tuple[Fraction, ...]]()
-    for reflected in product((1, -1), repeat=len(free)):
-        reflections = dict(zip(free, reflected, strict=True))
-        maps: list[Map] = [
-            (fmpq(reflections.get(k, 1)), b, c, d) for k, (_, b, c, d) in enumerate(plain)
-        ]
-        gens = [reflections.get(k, 1) * x for k, x in enumerate(ring.gens())]
-        queue.append((poly.compose(*gens, ctx=ring) if -1 in reflected else poly, maps, 0))
+    queue, signs, middles = deque(_first_cells(poly, free)), set[int](), {}
     for _ in range(CELLS):
         if not queue:
             break
@@ -376,9 +368,9 @@ def decided(poly: fmpq_mpoly, free: Sequence[int]) -> tuple[int, list[tuple[Frac
             middles[1 if middle > 0 else -1] = tuple(_middle(m) for m in maps)
         if negative in (0, len(coefficients)):
             signs.add(-1 if negative else 1)
+        elif len(here) > CELLS:
+            break
         else:
-            if len(here) > CELLS:
-                break
             queue.extend(_halves(here, maps, depth))
         if len(middles) == 2:
             break
@@ -387,6 +379,18 @@ def decided(poly: fmpq_mpoly, free: Sequence[int]) -> tuple[int, list[tuple[Frac
     if not queue and len(signs) == 1:
         return signs.pop(), []
     return 0, list(middles.values())
+
+
+def _first_cells(poly: fmpq_mpoly, free: Sequence[int]) -> list[Cell]:
+    """A polynomial in each orthant: all variables positive, those that are free of either sign."""
+    ring = poly.context()
+    cells: list[Cell] = []
+    for reflected in product((1, -1), repeat=len(free)):
+        signs = {**dict.fromkeys(range(ring.nvars()), 1), **dict(zip(free, reflected, strict=True))}
+        maps: list[Map] = [(fmpq(sign), fmpq(0), fmpq(0), fmpq(1)) for sign in signs.values()]
+        gens = [signs[k] * x for k, x in enumerate(ring.gens())]
+        cells.append((poly.compose(*gens, ctx=ring) if -1 in reflected else poly, maps, 0))
+    return cells
 
 
 def _of_square(poly: fmpq_mpoly, place: int, free: Sequence[int]) -> int:

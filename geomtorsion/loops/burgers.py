@@ -84,6 +84,11 @@ def burgers_vector(
     accuracy. For one loop most of the time goes into calls, not points: `burgers_map` and
     `burgers_vectors` share them among many loops.
 
+    A smooth peak of the coframe that is narrower than a fiftieth of a side, or of the radius of a
+    circle, may fall between all points; then neither the vector nor its error shows it. `prove`
+    compares the error with a bound over the whole loop and reports such a peak. Corners of a
+    polygon where the peak begins and ends resolve it.
+
     Returns
     -------
     BurgersVector: b^i in the frame, shape (n,), with error, route, check and cost.

@@ -16,7 +16,7 @@ from geomtorsion.loops import validation
 from geomtorsion.loops.arcs import Number, Parameters
 from geomtorsion.support import checks
 from geomtorsion.support.caching import cached_property
-from geomtorsion.support.copies import content_hash, equal_content
+from geomtorsion.support.copies import ByContent
 from geomtorsion.support.exclusive import exclusive
 from geomtorsion.support.outgoing import size_text
 from geomtorsion.support.precision import EPS
@@ -213,7 +213,7 @@ class FrameVector:
 
 @exclusive
 @dataclass(frozen=True, eq=False, repr=False)
-class VectorSum(Signed, FrameVector):
+class VectorSum(ByContent, Signed, FrameVector):
     """A sum of multiples of Burgers vectors, frame components.
 
     frame: the frame of its components.
@@ -238,12 +238,6 @@ class VectorSum(Signed, FrameVector):
     size: float
     power: int
     parameters: Mapping[str, Number]
-
-    def __eq__(self, other: object) -> bool:
-        return equal_content(self, other)
-
-    def __hash__(self) -> int:
-        return content_hash(self)
 
     def __repr__(self) -> str:
         parts = ", ".join(f"{x:.12g}" for x in self.vector.tolist())

@@ -15,7 +15,7 @@ from geomtorsion.loops.arcs import Number
 from geomtorsion.loops.defects import EnclosedDefect, enclosed_defects
 from geomtorsion.loops.frame_vector import FrameVector
 from geomtorsion.support.caching import cached_property
-from geomtorsion.support.copies import content_hash, equal_content
+from geomtorsion.support.copies import ByContent
 from geomtorsion.support.displays import Plot, drawn_by, figure_by
 from geomtorsion.support.exclusive import exclusive
 from geomtorsion.support.hints import attribute_hints
@@ -27,7 +27,7 @@ if TYPE_CHECKING:
 
 
 @dataclass(frozen=True, eq=False)
-class Check:
+class Check(ByContent):
     """The two independent routes side by side.
 
     line, flux: b^i by each route, shape (n,); flux is None if the torsion has a defect inside.
@@ -43,12 +43,6 @@ class Check:
     agrees: bool | None
     text: str
 
-    def __eq__(self, other: object) -> bool:
-        return equal_content(self, other)
-
-    def __hash__(self) -> int:
-        return content_hash(self)
-
     @property
     def difference(self) -> np.ndarray | None:
         """Line minus flux, shape (n,): the part of enclosed defects if the routes disagree."""
@@ -61,7 +55,7 @@ class Check:
 @attribute_hints(norm="abs(b)", value="b.vector")
 @exclusive
 @dataclass(frozen=True, eq=False, repr=False)
-class BurgersVector(Signed, FrameVector):
+class BurgersVector(ByContent, Signed, FrameVector):
     """The Burgers vector of one loop, frame components.
 
     frame, loop: the frame and the loop of the vector.
@@ -89,15 +83,9 @@ class BurgersVector(Signed, FrameVector):
     check: Check
     accuracy: float
     evaluations: int
+    # Two equal computations are equal, however long they took.
     seconds: float = field(compare=False)
     parameters: Mapping[str, Number]
-
-    # Two equal computations are equal, however long they took.
-    def __eq__(self, other: object) -> bool:
-        return equal_content(self, other)
-
-    def __hash__(self) -> int:
-        return content_hash(self)
 
     @property
     def reached(self) -> bool:

@@ -15,7 +15,7 @@ from geomtorsion.ode.numbers import Real
 from geomtorsion.ode.rates import Rates
 from geomtorsion.ode.terms import At, Terms
 from geomtorsion.support import checks
-from geomtorsion.support.copies import content_hash, equal_content
+from geomtorsion.support.copies import ByContent
 
 # What sympy writes where it knows no smooth derivative.
 _UNSMOOTH = (sp.Derivative, sp.Subs, sp.DiracDelta)
@@ -72,7 +72,7 @@ def derivative(term: sp.Expr, rows: Mapping[sp.Symbol, sp.Expr], where: str) -> 
 
 
 @dataclass(frozen=True, eq=False)
-class EventDerivative:
+class EventDerivative(ByContent):
     """How the times of events depend on a parameter, or on a number at the start.
 
     times: of the events, shape (m,). values: dt/dp of each, shape (m,). error: estimate of the
@@ -82,12 +82,6 @@ class EventDerivative:
     times: np.ndarray
     values: np.ndarray
     error: float
-
-    def __eq__(self, other: object) -> bool:
-        return equal_content(self, other)
-
-    def __hash__(self) -> int:
-        return content_hash(self)
 
     def __array__(self, dtype: Any = None, copy: bool | None = None) -> np.ndarray:
         return np.array(self.values, dtype=dtype)

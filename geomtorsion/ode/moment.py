@@ -9,12 +9,12 @@ import numpy as np
 
 from geomtorsion.errors import UnknownNameError
 from geomtorsion.support.checks import known_name
-from geomtorsion.support.copies import content_hash, equal_content
+from geomtorsion.support.copies import ByContent
 from geomtorsion.support.displays import drawn_by, key_completions, values_text
 
 
 @dataclass(frozen=True, eq=False)
-class Moment(Mapping[str, np.ndarray]):
+class Moment(ByContent, Mapping[str, np.ndarray]):
     """All quantities of a motion at some times, by name.
 
     time: the requested times, shape (...).
@@ -29,12 +29,6 @@ class Moment(Mapping[str, np.ndarray]):
     time: np.ndarray
     values: Mapping[str, np.ndarray]  # type: ignore[assignment]  # a field, not the method
     whole: tuple[str, ...] = ()
-
-    def __eq__(self, other: object) -> bool:
-        return equal_content(self, other)
-
-    def __hash__(self) -> int:
-        return content_hash(self)
 
     def __repr__(self) -> str:
         parts = ", ".join(f"{name} = {values_text(self[name])}" for name in self)

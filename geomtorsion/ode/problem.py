@@ -34,7 +34,7 @@ from geomtorsion.ode.trajectory import Event, Segment, Stage, State, Trajectory
 from geomtorsion.ode.writing import number_text, numbers_text, term_text, terms_text
 from geomtorsion.support import checks
 from geomtorsion.support.caching import cached_property
-from geomtorsion.support.copies import content_hash, equal_content, only_fields
+from geomtorsion.support.copies import ByContent
 from geomtorsion.support.displays import drawn_by, latex_of
 from geomtorsion.support.hints import attribute_hints
 from geomtorsion.support.precision import HALF, working_precision
@@ -73,7 +73,7 @@ class Maker(Protocol):
 
 @attribute_hints(solve="gt.solve(problem, times)")
 @dataclass(frozen=True, eq=False)
-class ODE:
+class ODE(ByContent):
     """First-order equations x' = f(x, parameters, t) with a start; made by `ODE.of`.
 
     rates: the equations.
@@ -116,15 +116,6 @@ class ODE:
     maker: Maker | None = field(default=None, compare=False, repr=False)
     centre: Centre | None = field(default=None, compare=False, repr=False)
     _stages: dict[tuple[int, float], Stage] = field(default_factory=dict, repr=False, init=False)
-
-    def __eq__(self, other: object) -> bool:
-        return equal_content(self, other)
-
-    def __hash__(self) -> int:
-        return content_hash(self)
-
-    def __getstate__(self) -> dict[str, object]:
-        return only_fields(self)
 
     # Trajectories count time as users do.
     time_unit = 1.0

@@ -15,7 +15,7 @@ from geomtorsion.ode.pieces import BranchedGraph, term_graph
 from geomtorsion.ode.system import System
 from geomtorsion.ode.terms import KINKED, STEPS
 from geomtorsion.support.caching import cached_property
-from geomtorsion.support.copies import content, content_hash, only_fields
+from geomtorsion.support.copies import ByContent, content
 from geomtorsion.support.precision import EPS
 
 # Number of kept equations with their compiled code, some hundred kilobytes each. Dropped ones are
@@ -36,7 +36,7 @@ _AXES = ("x", "y", "z")
 
 
 @dataclass(frozen=True, eq=False)
-class Rates:
+class Rates(ByContent):
     """Rates of named states, compiled once for all starts and all values of the parameters.
 
     expressions: state -> sympy expression over states, parameters and time.
@@ -64,10 +64,7 @@ class Rates:
             return NotImplemented
         return self is other or (self.states, content(self)) == (other.states, content(other))
 
-    __hash__ = content_hash
-
-    def __getstate__(self) -> dict[str, object]:
-        return only_fields(self)
+    __hash__ = ByContent.__hash__
 
     @cached_property
     def states(self) -> tuple[str, ...]:

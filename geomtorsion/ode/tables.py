@@ -16,7 +16,7 @@ from geomtorsion.errors import ExpressionError, FileFormatError
 from geomtorsion.ode.pieces import ends, joined
 from geomtorsion.support import checks
 from geomtorsion.support.caching import cached_property, read_only
-from geomtorsion.support.copies import content_hash, equal_content, only_fields
+from geomtorsion.support.copies import ByContent
 from geomtorsion.support.files import read_text
 
 INTERPOLATIONS = ("cubic", "monotone", "linear", "steps", "akima")
@@ -24,7 +24,7 @@ OUTSIDE = ("refuse", "hold")
 
 
 @dataclass(frozen=True, eq=False)
-class Table:
+class Table(ByContent):
     """Function of one number, from rows (place, value); it has no free parameters.
 
     places: shape (m,), increasing. values: shape (m,).
@@ -104,15 +104,6 @@ class Table:
             )
         object.__setattr__(self, "places", read_only(places.copy()))
         object.__setattr__(self, "values", read_only(values.copy()))
-
-    def __eq__(self, other: object) -> bool:
-        return equal_content(self, other)
-
-    def __hash__(self) -> int:
-        return content_hash(self)
-
-    def __getstate__(self) -> dict[str, object]:
-        return only_fields(self)
 
     def __repr__(self) -> str:
         low, high = self.places[[0, -1]].tolist()

@@ -19,7 +19,7 @@ from geomtorsion.same.matching import DIGITS, Match, Search, identity
 from geomtorsion.same.scalars import contradiction, is_excluded, scalars
 from geomtorsion.same.signs import Contrast, mirror_images, opposite_signs
 from geomtorsion.support.caching import cached_property
-from geomtorsion.support.copies import content_hash, equal_content, only_fields
+from geomtorsion.support.copies import ByContent
 from geomtorsion.support.displays import drawn_by
 from geomtorsion.support.exclusive import exclusive
 
@@ -48,7 +48,7 @@ class Outcome:
 
 @exclusive
 @dataclass(frozen=True, eq=False, repr=False)
-class Equivalence:
+class Equivalence(ByContent):
     """Verdict on two geometries, with its reason and certainty.
 
     one, two: their invariants.
@@ -68,15 +68,6 @@ class Equivalence:
     near: np.ndarray | None = field(default=None, repr=False)
     member: Mapping[str, sp.Expr] = field(default_factory=dict)
     decided: Outcome | None = field(default=None, repr=False, compare=False)
-
-    def __eq__(self, other: object) -> bool:
-        return equal_content(self, other)
-
-    def __hash__(self) -> int:
-        return content_hash(self)
-
-    def __getstate__(self) -> dict[str, object]:
-        return only_fields(self)
 
     @property
     def verdict(self) -> str:

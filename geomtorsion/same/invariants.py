@@ -11,7 +11,7 @@ from geomtorsion.exact import Certainty, Echelon, Element, unknown_functions
 from geomtorsion.exact.element import least_certain
 from geomtorsion.geometry import Connection, Frame, Tensor, cartan, levi_civita
 from geomtorsion.support.caching import cached_property
-from geomtorsion.support.copies import content_hash, equal_content, only_fields
+from geomtorsion.support.copies import ByContent
 from geomtorsion.support.exclusive import exclusive
 
 Index = tuple[int, ...]
@@ -33,7 +33,7 @@ class Growth:
 
 @exclusive
 @dataclass(frozen=True, eq=False)
-class Invariants:
+class Invariants(ByContent):
     """The invariants of a frame, of a metric, or of a metric with a connection, order by order.
 
     frame: the frame.
@@ -44,15 +44,6 @@ class Invariants:
     frame: Frame
     keep: str
     connection: Connection | None = None
-
-    def __eq__(self, other: object) -> bool:
-        return equal_content(self, other)
-
-    def __hash__(self) -> int:
-        return content_hash(self)
-
-    def __getstate__(self) -> dict[str, object]:
-        return only_fields(self)
 
     @property
     def turns(self) -> bool:

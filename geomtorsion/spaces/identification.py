@@ -21,11 +21,11 @@ from geomtorsion.same.invariants import refuse_functions
 from geomtorsion.spaces.registry import CHARTS, names, shipped_space
 from geomtorsion.support import checks
 from geomtorsion.support.allowance import check_limits
-from geomtorsion.support.copies import content_hash, equal_content, only_fields
+from geomtorsion.support.copies import ByContent
 
 
 @dataclass(frozen=True, eq=False, repr=False)
-class Identified:
+class Identified(ByContent):
     """A shipped space that a frame is.
 
     name, title, source: of the space.
@@ -40,15 +40,6 @@ class Identified:
     parameters: Mapping[str, sp.Expr]
     equivalence: Equivalence
 
-    def __eq__(self, other: object) -> bool:
-        return equal_content(self, other)
-
-    def __hash__(self) -> int:
-        return content_hash(self)
-
-    def __getstate__(self) -> dict[str, object]:
-        return only_fields(self)
-
     def __str__(self) -> str:
         values = ", ".join(f"{k} = {v}" for k, v in self.parameters.items())
         with_values = f" with {values}" if values else ""
@@ -59,7 +50,7 @@ class Identified:
 
 
 @dataclass(frozen=True, eq=False, repr=False)
-class Identification:
+class Identification(ByContent):
     """Result of `identify`: properties of a frame, and shipped spaces that are the same geometry.
 
     matches: the spaces that are the same geometry; the first one only, unless all were requested.
@@ -78,15 +69,6 @@ class Identification:
     classification: Classification
     assumption: str = ""
     negated: bool = False
-
-    def __eq__(self, other: object) -> bool:
-        return equal_content(self, other)
-
-    def __hash__(self) -> int:
-        return content_hash(self)
-
-    def __getstate__(self) -> dict[str, object]:
-        return only_fields(self)
 
     def __bool__(self) -> bool:
         return bool(self.matches) or self.classification.curvature is not None

@@ -15,7 +15,7 @@ from geomtorsion.errors import UnknownNameError
 from geomtorsion.geometry import Connection, Frame, Tensor, cartan, quantities
 from geomtorsion.geometry.plan import property_of
 from geomtorsion.support.checks import expression
-from geomtorsion.support.copies import content_hash, equal_content
+from geomtorsion.support.copies import ByContent
 from geomtorsion.support.displays import drawn_by
 from geomtorsion.support.hints import attribute_hints
 from geomtorsion.support.outgoing import markdown_text
@@ -96,7 +96,7 @@ class FirstMotion:
     parameters="space.frame.parameters", coordinates="space.frame.coordinates",
 )  # fmt: skip
 @dataclass(frozen=True, eq=False, repr=False)
-class Space:
+class Space(ByContent):
     """Space from the library or a file: a frame with its description, source and known results.
 
     Fields
@@ -145,12 +145,6 @@ class Space:
     atlas: Callable[[Frame], Atlas] | None = None
     motion: FirstMotion | None = None
     embedding: Callable[[Frame], Embedding] | None = None
-
-    def __eq__(self, other: object) -> bool:
-        return equal_content(self, other)
-
-    def __hash__(self) -> int:
-        return content_hash(self)
 
     def own_connection(self) -> Connection:
         """The connection of the space, or the Cartan connection of its frame.

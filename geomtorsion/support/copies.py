@@ -40,16 +40,19 @@ def content(self: Any) -> tuple[object, ...]:
     return tuple(comparable(getattr(self, name)) for name in counted)
 
 
-def equal_content(self: Any, other: object) -> bool:
-    """Whether two values of one class have equal content; a class takes it as its `__eq__`."""
-    if type(other) is not type(self):
-        return NotImplemented
-    return self is other or content(self) == content(other)
+class ByContent:
+    """A dataclass that is equal, hashed and copied by its content; declare it with eq=False."""
 
+    def __eq__(self, other: object) -> bool:
+        if type(other) is not type(self):
+            return NotImplemented
+        return self is other or content(self) == content(other)
 
-def content_hash(self: Any) -> int:
-    """Hash of the content; a class takes it as its `__hash__`."""
-    return hash(content(self))
+    def __hash__(self) -> int:
+        return hash(content(self))
+
+    def __getstate__(self) -> dict[str, Any]:
+        return only_fields(self)
 
 
 def comparable(value: Any) -> Any:

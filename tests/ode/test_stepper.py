@@ -11,7 +11,7 @@ from geomtorsion.errors import LimitError, StuckError
 from geomtorsion.geometry import levi_civita
 from geomtorsion.ode import ODE, RungeKutta, solve
 from geomtorsion.ode.engines.stepper import Steps
-from geomtorsion.ode.engines.stepwise import Pace, limited, stepwise_run
+from geomtorsion.ode.engines.stepwise import Pace, Stepwise, limited
 from geomtorsion.spaces import load
 from tests.chosen import one_in
 from tests.rounding import ROUNDED
@@ -50,8 +50,8 @@ def test_the_steps_agree_with_scipy(name, tolerance, t):
     """Steps and evaluations are as many as scipy's, and states equal up to rounding."""
     system, start, values = posed(name)
     times = np.linspace(0.0, t, 33)
-    one = stepwise_run("generated", MOST, system.unguarded, start, values, times, tolerance, False)
-    two = stepwise_run("DOP853", MOST, system.unguarded, start, values, times, tolerance, False)
+    one = Stepwise("generated", MOST).run(system.unguarded, start, values, times, tolerance)
+    two = Stepwise("DOP853", MOST).run(system.unguarded, start, values, times, tolerance)
     assert one.outcome == two.outcome == "done"
     # scipy also counts the evaluations of the first step and of dense output.
     assert 12 * one.steps <= one.evaluations <= two.evaluations
@@ -82,8 +82,8 @@ def test_edges_stop_where_scipy_stops():
     """The time at which an edge is crossed agrees with scipy to rounding."""
     system, start, values = posed("angles")
     times = np.linspace(0.0, 40.0, 9)
-    one = stepwise_run("generated", MOST, system, start, values, times, 1e-10, False)
-    two = stepwise_run("DOP853", MOST, system, start, values, times, 1e-10, False)
+    one = Stepwise("generated", MOST).run(system, start, values, times, 1e-10)
+    two = Stepwise("DOP853", MOST).run(system, start, values, times, 1e-10)
     assert one.outcome == two.outcome == "edge"
     assert one.reached == pytest.approx(two.reached, abs=1e-12)
     assert one.last == pytest.approx(two.last, abs=1e-11)
@@ -95,7 +95,7 @@ def test_dense_output(t):
     """Dense output between samples agrees with the exponential, forwards and backwards."""
     system = ODE.of({"x": "-x", "y": "2*y"}, [1, 1]).system
     times = np.array([0.0, t])
-    run = stepwise_run("generated", MOST, system, [1.0, 1.0], [], times, 1e-12, True)
+    run = Stepwise("generated", MOST).run(system, [1.0, 1.0], [], times, 1e-12, dense=True)
     assert run.dense is not None
     between = np.linspace(0.0, t, 101)
     exact = np.stack([np.exp(-between), np.exp(2 * between)], axis=1)
@@ -121,18 +121,15 @@ def test_errors_fall_with_the_eighth_power():
 def test_where_rates_end():
     """A singularity ends the run as stuck, with its time; too many evaluations are an error."""
     blowing = ODE.of({"x": "x**2"}, [1]).system
-    run = stepwise_run(
-        "generated", MOST, blowing, [1.0], [], np.array([0.0, 0.5, 2.0]), 1e-9, False
-    )
+    run = Stepwise("generated", MOST).run(blowing, [1.0], [], np.array([0.0, 0.5, 2.0]), 1e-9)
     assert run.outcome == "stuck"
     assert run.reached == pytest.approx(1.0, abs=1e-6)
     assert run.times.tolist() == [0.0, 0.5]
     assert run.states[1, 0] == pytest.approx(2.0, rel=1e-7)
     fast = ODE.of({"x": "1000*y", "y": "-1000*x"}, [1, 0])
     with pytest.raises(LimitError, match="more than 30000 evaluations"):
-        stepwise_run(
-            "generated", 30_000, fast.system, [1.0, 0.0], fast.run_numbers({}),
-            np.array([0.0, 1e3]), 1e-9, False,
+        Stepwise("generated", 30_000).run(fast.system, [1.0, 0.0], fast.run_numbers({}),
+            np.array([0.0, 1e3]), 1e-9,
         )  # fmt: skip
 
 

@@ -38,6 +38,7 @@ class Reduction:
     branch: the rules for highest derivatives, and the constraints.
     search: for the other branches.
     frame: of the ansatz; signs of roots are read in its region.
+    names: conditions that name invariants inside of functions, such as S(r) = T for exp(T).
 
     Examples
     --------
@@ -63,6 +64,7 @@ class Reduction:
     branch: Branch
     search: Search
     frame: Frame
+    names: tuple[str, ...] = ()
 
     @property
     def eliminated(self) -> Eliminated:
@@ -93,9 +95,7 @@ class Reduction:
         [((), '0 = a**2 + 18*a_1**2*c'), (('a_1',), "a' = 0")]
         """
         return tuple(
-            Reduction(self.jets, one, self.search, self.frame)
-            for one in self._all_branches[0]
-            if not self._free(one)
+            replace(self, branch=one) for one in self._all_branches[0] if not self._free(one)
         )
 
     @cached_property
@@ -269,7 +269,9 @@ class Reduction:
         """Numbers of parameters, start and rough values, the origin, and the centre there."""
         known = numbers_of(parameters or {}, self.constants, "parameters")
         (place,) = numbers_of({"origin": origin}, ("origin",), "origin").values()
-        centre = Centre(self.jets, self.eliminated, place) if self._has_pole(place, start) else None
+        centre = None
+        if self._has_pole(place, start):
+            centre = Centre(self.jets, self.eliminated, place, self.names)
         names = self.states if centre is None else centre.names
         values = numbers_of(start, names, "start")
         return known, values, numbers_of(near or {}, names, "near"), place, centre

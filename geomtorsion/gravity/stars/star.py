@@ -143,7 +143,8 @@ def star(
     density, pressure
         energy density or pressure at the centre, one of them, in the units of the matter.
     start, parameters, near
-        as for `solve`, at the centre, for field equations; by default A = 1 and B near 1.
+        as for `solve`, at the centre, for field equations; by default A = 1 and B near 1. An
+        invariant inside of a function, as T in exp(c*T), is a function S(r), by default near 0.
     accuracy
         of the solution.
 
@@ -190,7 +191,9 @@ def star_of(
     """The star with a value of eta at its centre."""
     names = structure.reduction.states
     first = {"A": 1} if start is None and "A" in names else dict(start or {})
-    rough = {"B": 1} if near is None and "B" in names else dict(near or {})
+    # Invariants inside of functions, which vanish in flat space.
+    usual = {x: 1 if x == "B" else 0 for x in names if x == "B" or x.startswith("S")}
+    rough = usual if near is None else dict(near)
     problem, depth = structure.ode(sp.Rational(eta), first, dict(parameters or {}), rough)
     solution = solve_ode(problem, float(depth), accuracy)
     if not solution.complete:

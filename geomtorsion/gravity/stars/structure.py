@@ -17,6 +17,7 @@ from geomtorsion.gravity.stars.first_order import SIZE, R
 from geomtorsion.gravity.states.equation_of_state import ETA, EquationOfState
 from geomtorsion.gravity.theory.field_equations import FieldEquations, equations
 from geomtorsion.gravity.theory.fluids import Fluid
+from geomtorsion.gravity.theory.residuals import names_of_inner
 from geomtorsion.ode import ODE, At
 from geomtorsion.support.caching import cached_property
 
@@ -61,7 +62,8 @@ class Structure:
                 f"got the coordinates {', '.join(map(str, frame.coordinates))}. Write the "
                 "frame with this radius."
             )
-        return cls(source.reduce("r"), matter[0], _mass(frame), False)
+        reduction = source.reduce("r", names_of_inner(source.inner, "r"))
+        return cls(reduction, matter[0], _mass(frame), False)
 
     @cached_property
     def background(self) -> Structure:

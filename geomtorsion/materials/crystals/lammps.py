@@ -5,6 +5,7 @@ from __future__ import annotations
 import io
 import re
 from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
 from io import TextIOBase
 from itertools import islice
 
@@ -16,6 +17,7 @@ from geomtorsion.materials.crystals.atom_rows import (
     completed,
     is_number,
 )
+from geomtorsion.support.caching import cached_property
 from geomtorsion.support.checks import cut, shown
 from geomtorsion.support.files import finite_number
 from geomtorsion.support.text_rows import TextRows, number_table, refuse_row
@@ -228,22 +230,8 @@ def data_frame(name: str, text: str) -> AtomData:
     The style of the atoms is the word after Atoms (Atoms # atomic), or else the style that columns
     allow. Species are labels of types, comments of Masses, or numbers.
     """
-    # Rows without words take memory only in the text; the first row is a title.
-    numbered = [
-        (k, row) for k, row in enumerate(io.StringIO(text)) if k and row.partition("#")[0].strip()
-    ]
-    rows = [row for _, row in numbered]
-    places = [k for k, _ in numbered]
-    plain = [row.partition("#")[0].split() for row in rows]
-    heads = [k for k, words in enumerate(plain) if words[0][0].isalpha()]
-    sections = {" ".join(plain[k]): k for k in reversed(heads)}
-    top = heads[0] if heads else len(rows)
-    header: Said = {}
-    for k, words in enumerate(plain[:top]):
-        for key in _KEYS:
-            ends = key.split()
-            if words[-len(ends) :] == ends:
-                header[key] = places[k], words[: -len(ends)]
+    file = _DataFile.of(name, text)
+    header, sections = file.header, file.sections
     if "Atoms" not in sections or "atoms" not in header:
         missing = (
             "section Atoms" if "Atoms" not in sections else "number of atoms (such as 5 atoms)"
@@ -252,29 +240,91 @@ def data_frame(name: str, text: str) -> AtomData:
             f"{name}: expected a LAMMPS data file with a row such as 5 atoms, the box and a "
             f"section Atoms, got a file without the {missing}. Is the file complete?"
         )
-    start = sections["Atoms"]
-    end = next((k for k in heads if k > start), len(rows))
-    body = range(start + 1, end)
+    body = file.body("Atoms")
     line, count = header["atoms"][0] + 1, " ".join(header["atoms"][1])
     if not count.isdecimal() or len(count) > 18 or int(count) != len(body):
         raise FileFormatError(
             f"{name}: line {line}: expected {cut(count)} atoms, as this line declares, got "
             f"{len(body):,} rows. Correct the number, or export the file again."
         )
-    lines = [places[k] + 1 for k in body]
-    words, texts = [plain[k] for k in body], [rows[k].partition("#")[0] for k in body]
+    lines = [file.places[k] + 1 for k in body]
+    words = [file.words[k] for k in body]
+    texts = [file.rows[k].partition("#")[0] for k in body]
     width = len(words[0]) if words else 0
     odd = next((k for k, row in enumerate(words) if len(row) != width), None)
     if odd is not None:
         refuse_row(name, lines[odd], texts[odd], width, ())
-    style = rows[start].partition("#")[2].strip()
-    kind, x = _style(name, places[start] + 1, style, words, header)
+    title = sections["Atoms"]
+    style = file.rows[title].partition("#")[2].strip()
+    kind, x = _style(name, file.places[title] + 1, style, words, header)
     values, _ = number_table(name, lines, texts, width, (0, x, x + 1, x + 2) if body else ())
     order = np.argsort(values[:, 0], kind="stable")
-    labels = _labels(rows, plain, sections, heads)
+    labels = file.labels()
     types: list[str] = [words[k][kind] for k in order.tolist()]
     species: tuple[str, ...] = tuple(labels.get(one, one) for one in types)
     return AtomData(values[order, 1:], _cell(name, header), (True, True, True), species, name)
+
+
+@dataclass(frozen=True)
+class _DataFile:
+    """The rows of a data file with words, without the title.
+
+    rows, places, words: each row, its number in the file from 0, its words before the comment.
+    """
+
+    name: str
+    rows: list[str]
+    places: list[int]
+    words: list[list[str]]
+
+    @classmethod
+    def of(cls, name: str, text: str) -> _DataFile:
+        """The rows of a text; rows without words take memory only in the text."""
+        numbered = [
+            (k, row)
+            for k, row in enumerate(io.StringIO(text))
+            if k and row.partition("#")[0].strip()
+        ]
+        rows = [row for _, row in numbered]
+        words = [row.partition("#")[0].split() for row in rows]
+        return cls(name, rows, [k for k, _ in numbered], words)
+
+    @cached_property
+    def heads(self) -> list[int]:
+        """The rows that are titles of sections, in order."""
+        return [k for k, words in enumerate(self.words) if words[0][0].isalpha()]
+
+    @cached_property
+    def sections(self) -> dict[str, int]:
+        """Title of a section -> its row; the first, where a title occurs twice."""
+        return {" ".join(self.words[k]): k for k in reversed(self.heads)}
+
+    def body(self, title: str) -> range:
+        """The rows of a section below its title; none without the section."""
+        start = self.sections.get(title)
+        if start is None:
+            return range(0)
+        return range(start + 1, next((k for k in self.heads if k > start), len(self.rows)))
+
+    @cached_property
+    def header(self) -> Said:
+        """Key of a row above the sections -> its place and the words before the key."""
+        header: Said = {}
+        top = self.heads[0] if self.heads else len(self.rows)
+        for place, words in zip(self.places[:top], self.words[:top], strict=True):
+            for key in _KEYS:
+                ends = key.split()
+                if words[-len(ends) :] == ends:
+                    header[key] = place, words[: -len(ends)]
+        return header
+
+    def labels(self) -> dict[str, str]:
+        """Number of a type -> its label: from Atom Type Labels, or the comment after its mass."""
+        masses = [
+            (self.words[k][0], self.rows[k].partition("#")[2].split()) for k in self.body("Masses")
+        ]
+        named = [(self.words[k][0], self.words[k][1:]) for k in self.body("Atom Type Labels")]
+        return {number: words[0] for number, words in (*masses, *named) if words}
 
 
 def _style(
@@ -317,27 +367,6 @@ def _fits(words: Sequence[Sequence[str]], style: tuple[int, int, int], types: in
         if not all(is_number(word) for word in row):
             return False
     return True
-
-
-def _labels(
-    rows: Sequence[str],
-    plain: Sequence[Sequence[str]],
-    sections: dict[str, int],
-    heads: Sequence[int],
-) -> dict[str, str]:
-    """Number of a type -> its label: from Atom Type Labels, or the comment after its mass."""
-    labels: dict[str, str] = {}
-    for title in ("Masses", "Atom Type Labels"):
-        start = sections.get(title)
-        if start is None:
-            continue
-        end = next((k for k in heads if k > start), len(rows))
-        for k in range(start + 1, end):
-            comment = rows[k].partition("#")[2].split()
-            label = plain[k][1:2] if title == "Atom Type Labels" else comment[:1]
-            if label:
-                labels[plain[k][0]] = label[0]
-    return labels
 
 
 def _cell(name: str, said: Said) -> np.ndarray | None:

@@ -109,18 +109,7 @@ def displacement_of(
     # A smooth field may change by more than a lattice vector from node to node. Therefore a jump
     # is a step that differs from its neighbours along the line.
     bent = [step - _medians(step, 1 + k) for k, step in enumerate(steps)]
-    if branch is None or (isinstance(branch, str) and branch == FIND):
-        # Differences of equal values are no larger than the rounding of these values.
-        # A difference and its median have two roundings each.
-        least = 4 * EPS * float(np.abs(np.nan_to_num(values)).max())
-        jumps = _found(steps, bent, grid, least)
-        inverse = jumps.vectors / (jumps.vectors**2).sum(axis=1, keepdims=True)
-        times = [_nearest(rest, jumps.vectors) for rest in bent]
-    else:
-        jumps = Jumps.declared(lattice_vectors(branch, rows))
-        inverse = np.linalg.pinv(jumps.vectors.T)
-        shares = (np.einsum("ki,i...->k...", inverse, rest) for rest in bent)
-        times = [np.nan_to_num(np.rint(share)) for share in shares]
+    jumps, inverse, times = _jumps(values, grid, steps, bent, branch)
     source = f"a displacement; jumps: {_listed(jumps.vectors, times) or 'none'}"
     if branch is None and len(jumps.vectors):
         seen = _listed(jumps.vectors[:1], [x[:1] for x in times])
@@ -139,17 +128,54 @@ def displacement_of(
         holes[tuple(corners.T)] = True
     whole = Grid(grid.axes, grid.names, grid.periodic, holes)
     coframe, sigma = _derived(steps, whole, order, variances)
-    chances = [np.zeros_like(x) for x in times]
-    if variances is not None and len(inverse):
-        for k, (rest, number) in enumerate(zip(bent, times, strict=True)):
-            both = variances + np.roll(variances, -1, 1 + k)
-            both = both if grid.periodic[k] else np.delete(both, -1, 1 + k)
-            width = np.sqrt(np.einsum("ki,i...->k...", inverse**2, both))
-            away = np.einsum("ki,i...->k...", inverse, rest) - number
-            chances[k] = np.nan_to_num(chances_of(away, width))
+    chances = _chances(bent, times, inverse, variances, grid)
     return Displacement(
         values, branch, coframe, sigma, jumps, tuple(times), tuple(chances), variances, source
     )
+
+
+def _jumps(
+    values: np.ndarray,
+    grid: Grid,
+    steps: list[np.ndarray],
+    bent: list[np.ndarray],
+    branch: object,
+) -> tuple[Jumps, np.ndarray, list[np.ndarray]]:
+    """The lattice vectors of jumps, shape (k, rows), their inverse, and how often each occurs.
+
+    steps: differences along each axis; bent: without the median of their neighbours.
+    """
+    if branch is None or (isinstance(branch, str) and branch == FIND):
+        # Differences of equal values are no larger than the rounding of these values.
+        # A difference and its median have two roundings each.
+        least = 4 * EPS * float(np.abs(np.nan_to_num(values)).max())
+        jumps = _found(steps, bent, grid, least)
+        inverse = jumps.vectors / (jumps.vectors**2).sum(axis=1, keepdims=True)
+        return jumps, inverse, [_nearest(rest, jumps.vectors) for rest in bent]
+    jumps = Jumps.declared(lattice_vectors(branch, values.shape[0]))
+    inverse = np.linalg.pinv(jumps.vectors.T)
+    shares = (np.einsum("ki,i...->k...", inverse, rest) for rest in bent)
+    return jumps, inverse, [np.nan_to_num(np.rint(share)) for share in shares]
+
+
+def _chances(
+    bent: list[np.ndarray],
+    times: list[np.ndarray],
+    inverse: np.ndarray,
+    variances: np.ndarray | None,
+    grid: Grid,
+) -> list[np.ndarray]:
+    """Chance that noise has changed a number of jumps, in the shape of the numbers."""
+    if variances is None or not len(inverse):
+        return [np.zeros_like(x) for x in times]
+    chances: list[np.ndarray] = []
+    for k, (rest, number) in enumerate(zip(bent, times, strict=True)):
+        both = variances + np.roll(variances, -1, 1 + k)
+        both = both if grid.periodic[k] else np.delete(both, -1, 1 + k)
+        width = np.sqrt(np.einsum("ki,i...->k...", inverse**2, both))
+        away = np.einsum("ki,i...->k...", inverse, rest) - number
+        chances.append(np.nan_to_num(chances_of(away, width)))
+    return chances
 
 
 def raised(values: np.ndarray, height: np.ndarray) -> np.ndarray:

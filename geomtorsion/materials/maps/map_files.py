@@ -86,20 +86,7 @@ class _Source:
         if not self.lines or not self.lines[0].startswith(CTF):
             first = shown(cut(self.lines[0].strip(), 60)) if self.lines else "an empty file"
             self.at(0).fail(f"expected 'Channel Text File', got {first}. Is this a .ctf file?")
-        header: dict[str, tuple[int, str]] = {}
-        start = None
-        for k, row in enumerate(self.lines[:200]):
-            fields = row.split("\t")
-            if fields[0] == "Phase" and "X" in fields:
-                start = k
-                break
-            header.setdefault(fields[0].strip(), (k, fields[1] if len(fields) > 1 else ""))
-        if start is None:
-            self.at(len(self.lines) - 1).fail(
-                "expected a row of column names (Phase, X, Y, ...), got none. Is the file "
-                "truncated? Export it again.",
-            )
-
+        start, header = self.ctf_header()
         if header.get("JobMode", (0, ""))[1].strip().lower() == "interactive":
             count = sum(bool(row.strip()) for row in self.lines[start + 1 :])
             self.at(header["JobMode"][0]).fail(
@@ -111,32 +98,9 @@ class _Source:
             columns, rows = (self.whole(*header[key], key) for key in SIZES)
             steps = [self.number(*header[key], key) for key in ("XStep", "YStep")]
             declared = Declared(np.full(rows, columns), (steps[0], steps[1]))
-        first = header.get("Phases", (start, ""))[0]
-        count = self.whole(*header.get("Phases", (start, "")), "Phases")
-        phases = {}
-        for number in range(1, count + 1):
-            k = first + number
-            parts = self.lines[k].split("\t") if k < start else []
-            if len(parts) < 4:
-                self.at(min(k, start)).fail(
-                    f"expected phase {number} of {count}, got no description of it. Export the map "
-                    "again.",
-                )
-            lattice = [
-                [self.number(k, x, f"lattice of phase {number}") for x in part.split(";")]
-                for part in parts[:2]
-            ]
-            if [len(part) for part in lattice] != [3, 3]:
-                self.at(k).fail(
-                    f"phase {number}: expected three lengths and three angles, got "
-                    f"{' and '.join(str(len(part)) for part in lattice)}. Export the map again.",
-                )
-            # Numbers that are not listed or not whole give an unknown group, None.
-            laue = LAUE_NUMBERS.get(self.number(k, parts[3], f"Laue group of phase {number}"))
-            phases[number] = described(
-                f"{self.name}: line {k + 1}", number, parts[2].strip(), laue, self.laue,
-                (lattice[0], lattice[1]), "y",
-            )  # fmt: skip
+        line, text = header.get("Phases", (start, ""))
+        count = self.whole(line, text, "Phases")
+        phases = {k: self.ctf_phase(line + k, k, start, count) for k in range(1, count + 1)}
         names = [name.strip() for name in self.lines[start].split("\t")]
         titles = ("Phase", "X", "Y", "Euler1", "Euler2", "Euler3")
         for name in titles:
@@ -148,6 +112,43 @@ class _Source:
         return MapPoints(
             self.name, self.size, x, y, np.radians(np.stack(angles, axis=1)),
             whole_phases(self.name, phase, phases, start + 2), phases, declared, start + 2,
+        )  # fmt: skip
+
+    def ctf_header(self) -> tuple[int, dict[str, tuple[int, str]]]:
+        """The line of the column names, and for each key above it its line and value."""
+        header: dict[str, tuple[int, str]] = {}
+        for k, row in enumerate(self.lines[:200]):
+            fields = row.split("\t")
+            if fields[0] == "Phase" and "X" in fields:
+                return k, header
+            header.setdefault(fields[0].strip(), (k, fields[1] if len(fields) > 1 else ""))
+        self.at(len(self.lines) - 1).fail(
+            "expected a row of column names (Phase, X, Y, ...), got none. Is the file "
+            "truncated? Export it again.",
+        )
+
+    def ctf_phase(self, k: int, number: int, start: int, count: int) -> Phase:
+        """A phase of the header from its line k; start: line of the column names."""
+        parts = self.lines[k].split("\t") if k < start else []
+        if len(parts) < 4:
+            self.at(min(k, start)).fail(
+                f"expected phase {number} of {count}, got no description of it. Export the map "
+                "again.",
+            )
+        lattice = [
+            [self.number(k, x, f"lattice of phase {number}") for x in part.split(";")]
+            for part in parts[:2]
+        ]
+        if [len(part) for part in lattice] != [3, 3]:
+            self.at(k).fail(
+                f"phase {number}: expected three lengths and three angles, got "
+                f"{' and '.join(str(len(part)) for part in lattice)}. Export the map again.",
+            )
+        # Numbers that are not listed or not whole give an unknown group, None.
+        laue = LAUE_NUMBERS.get(self.number(k, parts[3], f"Laue group of phase {number}"))
+        return described(
+            f"{self.name}: line {k + 1}", number, parts[2].strip(), laue, self.laue,
+            (lattice[0], lattice[1]), "y",
         )  # fmt: skip
 
     # -- .ang -------------------------------------------------------------------------------------
@@ -164,24 +165,7 @@ class _Source:
                 "expected a header of lines with # and rows of numbers below it, got no "
                 f"{'rows' if start is None else 'header'}. Export the map again.",
             )
-        header: dict[str, tuple[int, str]] = {}
-        phases: dict[int, Phase] = {}
-        description: dict[str, tuple[int, str]] = {}
-        for k, row in enumerate(self.lines[:start]):
-            words = row[1:].replace(":", " ", 1).split(None, 1)
-            if not words:
-                continue
-            key, value = words[0], words[1].strip() if len(words) > 1 else ""
-            if key == "Phase" or (key == "MaterialName" and "LatticeConstants" in description):
-                description = {}
-            description[key] = header[key] = (k, value)
-            if key == "LatticeConstants":
-                if len(phases) >= BOUNDS.phases:
-                    self.at(k).fail(
-                        f"expected at most {BOUNDS.phases} phases, got more. Remove some."
-                    )
-                number, phase = self.ang_phase(description, len(phases) + 1)
-                phases[number] = phase
+        header, phases = self.ang_header(start)
         if not phases:
             self.at(start).fail(
                 "expected a phase in the header, got none. Export the map with full header."
@@ -210,6 +194,28 @@ class _Source:
             self.name, self.size, unit * table[:, 3], unit * table[:, 4], table[:, :3], phase_codes,
             phases, declared, start + 1,
         )  # fmt: skip
+
+    def ang_header(self, start: int) -> tuple[dict[str, tuple[int, str]], dict[int, Phase]]:
+        """For each key above a line its line and value, the last one; and the phases."""
+        header: dict[str, tuple[int, str]] = {}
+        phases: dict[int, Phase] = {}
+        description: dict[str, tuple[int, str]] = {}
+        for k, row in enumerate(self.lines[:start]):
+            words = row[1:].replace(":", " ", 1).split(None, 1)
+            if not words:
+                continue
+            key, value = words[0], words[1].strip() if len(words) > 1 else ""
+            if key == "Phase" or (key == "MaterialName" and "LatticeConstants" in description):
+                description = {}
+            description[key] = header[key] = (k, value)
+            if key == "LatticeConstants":
+                if len(phases) >= BOUNDS.phases:
+                    self.at(k).fail(
+                        f"expected at most {BOUNDS.phases} phases, got more. Remove some."
+                    )
+                number, phase = self.ang_phase(description, len(phases) + 1)
+                phases[number] = phase
+        return header, phases
 
     def ang_grid(self, header: Mapping[str, tuple[int, str]]) -> Declared | None:
         """The grid in a header; None if the header does not describe one."""

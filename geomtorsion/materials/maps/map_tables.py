@@ -94,57 +94,66 @@ def read_map_table(
             'these names above their columns, or give their numbers: columns={"phi1": 0, ...} '
             "(--columns phi1=0,...)."
         )
-    start, split, width, is_radian = header.row, header.split, header.width, header.is_radian
-    indices = [k for k in range(start + 1, len(lines)) if lines[k].strip(" \t,;")]
+    indices = [k for k in range(header.row + 1, len(lines)) if lines[k].strip(" \t,;")]
     rows = [lines[k] for k in indices]
     places = header.places
     words = [places[name] for name in ("phase",) if name in places]
-    table, phases_there = number_table(
-        path.name, [k + 1 for k in indices], rows, width, [places[n] for n in _NEEDED],
-        words, split=split,
+    table, phase_texts = number_table(
+        path.name, [k + 1 for k in indices], rows, header.width, [places[n] for n in _NEEDED],
+        words, split=header.split,
     )  # fmt: skip
     by_name = dict(zip(_NEEDED, table.T, strict=True))
     euler = np.stack([by_name[name] for name in ("phi1", "Phi", "phi2")], axis=1)
     indexed = np.asarray(np.isfinite(euler).all(axis=1))
-    euler = np.where(indexed[:, None], euler if is_radian else np.radians(euler), 0.0)
+    euler = np.where(indexed[:, None], euler if header.is_radian else np.radians(euler), 0.0)
     far = (np.abs(euler) > 4 * np.pi + 1e-3).any(axis=1)
     if far.any():
-        k = int(np.argmax(far))
-        unit = "radians (declared in the header)" if is_radian else "degrees"
+        k = indices[int(np.argmax(far))]
+        unit = "radians (declared in the header)" if header.is_radian else "degrees"
         raise FileFormatError(
-            f"{path.name}: line {indices[k] + 1}: expected Euler angles of at most two turns in "
-            f"{unit}, got {shown(lines[indices[k]].strip())}. Correct the header or the row."
+            f"{path.name}: line {k + 1}: expected Euler angles of at most two turns in {unit}, got "
+            f"{shown(lines[k].strip())}. Correct the header or the row."
         )
-    phase = indexed.astype(float)
-    for texts in phases_there:
-        # A word, such as the name of a phase, gives no number.
-        codes = {text: finite_number(text.strip()) or 0.0 for text in set(texts)}
-        phase = np.where(indexed, [codes[text] for text in texts], 0.0)
-    if not phase.any():
-        # MTEX writes phase 0 for each point of a map without phases.
-        phase = np.where(indexed, 1, 0)
-    numbers = sorted(set(phase.tolist()) - {0.0})
-    odd = [x for x in numbers if x != int(x) or not 0 < x <= BOUNDS.phases]
-    if odd:
-        raise FileFormatError(
-            f"{path.name}: phase: expected whole numbers from 0 to {BOUNDS.phases}, got "
-            f"{odd[0]:g}. Number the phases from 1; 0 is a point without an orientation."
-        )
-    phases = {int(n): described(path.name, int(n), f"phase {n:g}", None, laue) for n in numbers}
+    phase = _phases(path.name, phase_texts, indexed)
+    numbers = sorted(set(phase.tolist()) - {0})
+    phases = {n: described(path.name, n, f"phase {n}", None, laue) for n in numbers}
     check_laue(path.name, laue, phases)
     x, y = by_name["x"], by_name["y"]
     bad = ~(np.isfinite(x) & np.isfinite(y))
     if bad.any():
+        k = indices[int(np.argmax(bad))]
         raise FileFormatError(
-            f"{path.name}: line {indices[int(np.argmax(bad))] + 1}: expected numbers x and y, got "
-            f"{shown(lines[indices[int(np.argmax(bad))]].strip())}. Correct the row."
+            f"{path.name}: line {k + 1}: expected numbers x and y, got "
+            f"{shown(lines[k].strip())}. Correct the row."
         )
     return gridded(
         MapPoints(
-            path.name, len(text), x, y, euler, phase.astype(np.int64), phases,
+            path.name, len(text), x, y, euler, phase, phases,
             start=indices[0] + 1 if indices else None,
         )
     )  # fmt: skip
+
+
+def _phases(name: str, texts: Sequence[Sequence[str]], indexed: np.ndarray) -> np.ndarray:
+    """Phase of each point, shape (points,); 0 where a point was not indexed.
+
+    texts: the column of the phase, if there is one.
+    """
+    if not texts:
+        return indexed.astype(np.int64)
+    # A word, such as the name of a phase, gives no number.
+    codes = {text: finite_number(text.strip()) or 0.0 for text in set(texts[0])}
+    phase = np.where(indexed, [codes[text] for text in texts[0]], 0.0)
+    if not phase.any():
+        # MTEX writes phase 0 for each point of a map without phases.
+        return indexed.astype(np.int64)
+    odd = [x for x in sorted({*phase.tolist()}) if x != int(x) or not 0 <= x <= BOUNDS.phases]
+    if odd:
+        raise FileFormatError(
+            f"{name}: phase: expected whole numbers from 0 to {BOUNDS.phases}, got "
+            f"{odd[0]:g}. Number the phases from 1; 0 is a point without an orientation."
+        )
+    return phase.astype(np.int64)
 
 
 @dataclass(frozen=True)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from abc import ABC, abstractmethod
 from collections.abc import Sequence
 from dataclasses import dataclass
 
@@ -11,7 +12,7 @@ import numpy as np
 from geomtorsion.errors import ArgumentError
 from geomtorsion.ode.engines.stacked import run_stacked
 from geomtorsion.ode.engines.stepper import LARGEST
-from geomtorsion.ode.engines.stepwise import stepwise_run
+from geomtorsion.ode.engines.stepwise import Stepwise
 from geomtorsion.ode.numbers import Real
 from geomtorsion.ode.roundings import Changes
 from geomtorsion.ode.system import Batch, Run, System, Watch
@@ -22,7 +23,7 @@ RUNG = 0.01
 METHODS = ("Radau", "LSODA")
 
 
-class _Ladder:
+class _Ladder(ABC):
     """Tolerances of methods in double precision: four in each power of ten, down to the finest."""
 
     precision = 53
@@ -41,6 +42,29 @@ class _Ladder:
     def finer(self, tolerance: float) -> float | None:
         """See `Engine.finer`."""
         return None if tolerance <= self.finest * 1.01 else max(tolerance * RUNG, self.finest)
+
+    @abstractmethod
+    def steps(self, system: System) -> Stepwise:
+        """The integration step by step, for a system."""
+
+    def run(
+        self,
+        system: System,
+        start: Sequence[Real] | np.ndarray,
+        parameters: Sequence[Real] | np.ndarray,
+        times: np.ndarray,
+        tolerance: float,
+        *,
+        dense: bool = False,
+        watch: Watch | None = None,
+        longest: float = math.inf,
+        changes: Changes | None = None,
+    ) -> Run:
+        """See `Engine.run`."""
+        return self.steps(system).run(
+            system, start, parameters, times, tolerance, dense=dense, watch=watch, longest=longest,
+            changes=changes,
+        )  # fmt: skip
 
 
 def _rung(tolerance: float) -> float:
@@ -80,35 +104,10 @@ class RungeKutta(_Ladder):
         """See `Engine.first`: half a rung finer, as errors of steps add up to ten tolerances."""
         return super().first(math.sqrt(RUNG) * accuracy)
 
-    def run(
-        self,
-        system: System,
-        start: Sequence[Real] | np.ndarray,
-        parameters: Sequence[Real] | np.ndarray,
-        times: np.ndarray,
-        tolerance: float,
-        *,
-        dense: bool = False,
-        watch: Watch | None = None,
-        longest: float = math.inf,
-        changes: Changes | None = None,
-    ) -> Run:
-        """See `Engine.run`."""
-        most = self.max_evaluations
+    def steps(self, system: System) -> Stepwise:
+        """Generated steps for few states, scipy's for many."""
         method = "generated" if system.size <= LARGEST else "DOP853"
-        return stepwise_run(
-            method,
-            most,
-            system,
-            start,
-            parameters,
-            times,
-            tolerance,
-            dense,
-            watch,
-            longest,
-            changes,
-        )
+        return Stepwise(method, self.max_evaluations)
 
     def batch(self, batch: Batch, tolerance: float) -> float:
         """See `Engine`: all members as one system."""
@@ -149,31 +148,6 @@ class Stiff(_Ladder):
         """Its name in tables."""
         return f"Stiff({self.method})"
 
-    def run(
-        self,
-        system: System,
-        start: Sequence[Real] | np.ndarray,
-        parameters: Sequence[Real] | np.ndarray,
-        times: np.ndarray,
-        tolerance: float,
-        *,
-        dense: bool = False,
-        watch: Watch | None = None,
-        longest: float = math.inf,
-        changes: Changes | None = None,
-    ) -> Run:
-        """See `Engine.run`."""
-        most = self.max_evaluations
-        return stepwise_run(
-            self.method,
-            most,
-            system,
-            start,
-            parameters,
-            times,
-            tolerance,
-            dense,
-            watch,
-            longest,
-            changes,
-        )
+    def steps(self, system: System) -> Stepwise:
+        """Implicit steps of scipy."""
+        return Stepwise(self.method, self.max_evaluations)

@@ -6,7 +6,8 @@ import math
 import time
 from bisect import bisect_right
 from collections.abc import Callable, Sequence
-from functools import cache, partial
+from dataclasses import dataclass
+from functools import cache
 from typing import Any, TypeAlias
 
 import numpy as np
@@ -207,138 +208,220 @@ def counted(function: Callable[[float, np.ndarray], Any], most: int, duration: f
 Pieces: TypeAlias = list[Polynomial | Piece]
 
 
-def stepwise_run(
-    method: str,
-    most: int,
-    system: System,
-    start: Sequence[Real] | np.ndarray,
-    parameters: Sequence[Real] | np.ndarray,
-    times: np.ndarray,
-    tolerance: float,
-    dense: bool,
-    watch: Watch | None = None,
-    longest: float = math.inf,
-    changes: Changes | None = None,
-) -> Run:
-    """See `Engine.run`; method: "generated" steps of DOP853; or "DOP853", "Radau", "LSODA"."""
-    began = time.perf_counter()
-    generated = method == "generated"
-    y0, values = floats(start), floats(parameters)
-    times = np.asarray(times, dtype=float)
-    first, last = float(times[0]), float(times[-1])
-    first_rates = np.asarray(system.scalar_rates(values)(first, np.array(y0)), dtype=float)
-    if generated:
-        step_of(system)
-    ready = time.perf_counter()
-    if first == last or not np.isfinite(first_rates).all():
-        outcome = "done" if first == last else "stuck"
-        reason = "" if first == last else "the rates are not finite at the start"
-        here = np.array(y0)
+class Edge:
+    """The guard of a system along a run, which ends where the guard falls through zero."""
+
+    def __init__(self, system: System, values: Sequence[float], state: Sequence[float]) -> None:
+        self._system, self._values = system, values
+        self._inside: bool = self._guard(state) > 0
+
+    def _guard(self, state: Sequence[float]) -> float:
+        """The guard at a state."""
+        return self._system.guard_at(state, self._values)
+
+    def crossing(
+        self, piece: Polynomial | Piece, end: float, state: Sequence[float]
+    ) -> float | None:
+        """The time of the crossing within a step with this end; None without a crossing."""
+        value = self._guard(state)
+        # Roots touch zero, but are nowhere below.
+        falls = self._inside and value <= 0
+        self._inside = value > 0
+        return self._root(piece, end) if falls else None
+
+    def _root(self, piece: Polynomial | Piece, end: float) -> float:
+        """The time within a step at which the guard is zero."""
+
+        def value(t: float) -> float:
+            return self._guard(piece(np.array([t]))[0].tolist())
+
+        if value(piece.t) <= 0 or value(end) >= 0:
+            return end
+        tiny = 4 * np.finfo(float).eps
+        # Its declared type includes the pair that it returns with a report.
+        return float(scipy.optimize.brentq(value, piece.t, end, xtol=tiny, rtol=tiny))  # type: ignore[arg-type]
+
+
+class Record:
+    """What steps leave behind: samples, dense output, the longest step, and how the run ended.
+
+    edge: the guard to compare after each step; dense: whether to keep the output of each step.
+    """
+
+    def __init__(
+        self, times: np.ndarray, y0: Sequence[float], sign: float, edge: Edge | None, dense: bool
+    ) -> None:
+        self.times: np.ndarray = times
+        self.states: np.ndarray = np.empty((len(times), len(y0)))
+        self.states[0] = y0
+        self.done: int = 1
+        self.outcome: str = "done"
+        self.reached: float = float(times[-1])
+        self.last: np.ndarray | None = None
+        self.longest_step: float = 0.0
+        self._sign, self._order = sign, (times * sign).tolist()
+        self._edge, self._dense = edge, dense
+        self._pieces: Pieces = []
+
+    def add(self, piece: Polynomial | Piece, walk: Steps | ScipySteps, before: float) -> None:
+        """Add the step of a walk from a time before."""
+        self.longest_step = max(self.longest_step, abs(walk.time - before))
+        if self._dense:
+            # Worked out now: some solvers forget a step with the next one.
+            piece(np.array([walk.time]))
+            self._pieces.append(piece)
+        crossing = None
+        if self._edge is not None:
+            crossing = self._edge.crossing(piece, walk.time, walk.state)
+        end = walk.time if crossing is None else crossing
+        count = bisect_right(self._order, self._sign * end, self.done)
+        if count > self.done:
+            self.states[self.done : count] = piece(self.times[self.done : count])
+            if self._order[count - 1] == self._sign * walk.time:
+                self.states[count - 1] = walk.state
+            self.done = count
+        if crossing is not None:
+            self.end("edge", end, piece(np.array([end]))[0])
+
+    def end(self, outcome: str, reached: float, last: Sequence[float] | np.ndarray) -> None:
+        """End the run before its last time."""
+        self.outcome, self.reached, self.last = outcome, reached, np.array(last)
+
+    def run(self, steps: int, evaluations: int, reason: str, seconds: tuple[float, float]) -> Run:
+        """The result; seconds: to compile, and to run."""
+        last = self.states[-1].copy() if self.last is None else self.last
         return Run(
-            times[:1], here[None, :], first, here, outcome, 0, 1, ready - began, 0.0, None, reason
-        )
-    span = last - first
-    if method in ("Radau", "LSODA"):
-        span = _settling(system.jacobian(y0, values), span)
-    scales = error_scales(system, np.array(y0), values, first_rates, span).tolist()
-    least = LEAST if generated else FLOOR
-    pace: Callable[[float], float] = limited(longest)
+            self.times[: self.done], self.states[: self.done], self.reached, last, self.outcome,
+            steps, evaluations, *seconds, _joined(self._pieces) if self._pieces else None, reason,
+            self.longest_step,
+        )  # fmt: skip
 
-    def steps(begin: float, state: Sequence[float], by: str) -> Steps | ScipySteps:
-        used = max(tolerance, least)
-        arguments = (system, values, state, (begin, last), used, scales, pace, most)
-        return Steps(*arguments) if generated else ScipySteps(by, *arguments)
 
-    if tolerance < least:
-        trial = steps(first, y0, method)
+@dataclass(frozen=True)
+class Stepwise:
+    """Integration step by step.
+
+    method: "generated" steps of DOP853; or "DOP853", "Radau", "LSODA" of scipy.
+    most: evaluations of the rates; a run that needs more raises an error.
+    """
+
+    method: str
+    most: int
+
+    def run(
+        self,
+        system: System,
+        start: Sequence[Real] | np.ndarray,
+        parameters: Sequence[Real] | np.ndarray,
+        times: np.ndarray,
+        tolerance: float,
+        *,
+        dense: bool = False,
+        watch: Watch | None = None,
+        longest: float = math.inf,
+        changes: Changes | None = None,
+    ) -> Run:
+        """See `Engine.run`."""
+        began = time.perf_counter()
+        y0, values = floats(start), floats(parameters)
+        times = np.asarray(times, dtype=float)
+        first, last = float(times[0]), float(times[-1])
+        rates = np.asarray(system.scalar_rates(values)(first, np.array(y0)), dtype=float)
+        if self.method == "generated":
+            step_of(system)
+        ready = time.perf_counter()
+        if first == last:
+            return _unmoved(times, y0, "done", "", ready - began)
+        if not np.isfinite(rates).all():
+            reason = "the rates are not finite at the start"
+            return _unmoved(times, y0, "stuck", reason, ready - began)
+        walks_from = self._walks(system, y0, values, rates, (first, last), tolerance)
+        pace = self._pace(walks_from, y0, first, last, tolerance, longest)
+        walk = walks_from(first, y0, pace, self.method)
+        walks = [walk]
+        edge = None if system.guard is None else Edge(system, values, walk.state)
+        record = Record(times, y0, walk.sign, edge, dense)
+        while walk.time != last and record.outcome == "done":
+            before = walk.time
+            piece = walk.advance()
+            if piece is None and self.method == "LSODA" and len(walks) == 1:
+                # Where rates end, LSODA takes no shorter step back; Radau comes to the very place.
+                walk = walks_from(walk.time, walk.state, pace, "Radau")
+                walks.append(walk)
+                piece = walk.advance()
+            if piece is None:
+                record.end("stuck", walk.time, walk.state)
+                break
+            if watch is not None:
+                watch(walk.time)
+            record.add(piece, walk, before)
+            if changes is not None and changes.due():
+                walk.move(changes.made(np.array(walk.state), record.states[0]).tolist())
+        seconds = ready - began, time.perf_counter() - ready
+        steps, evaluations = sum(x.count for x in walks), sum(x.evaluations for x in walks)
+        return record.run(steps, evaluations, walk.stuck, seconds)
+
+    def _walks(
+        self,
+        system: System,
+        y0: Sequence[float],
+        values: Sequence[float],
+        rates: np.ndarray,
+        span: tuple[float, float],
+        tolerance: float,
+    ) -> Walks:
+        """Walks to the end of a span from any time, state and pace on; rates: at the start."""
+        duration = span[1] - span[0]
+        if self.method in ("Radau", "LSODA"):
+            duration = _settling(system.jacobian(y0, values), duration)
+        scales = error_scales(system, np.array(y0), values, rates, duration).tolist()
+        tolerance = max(tolerance, self._least)
+
+        def walks_from(
+            begin: float, state: Sequence[float], pace: Callable[[float], float], by: str
+        ) -> Steps | ScipySteps:
+            arguments = system, values, state, (begin, span[1]), tolerance, scales, pace, self.most
+            return Steps(*arguments) if by == "generated" else ScipySteps(by, *arguments)
+
+        return walks_from
+
+    @property
+    def _least(self) -> float:
+        """The least tolerance of a step."""
+        return LEAST if self.method == "generated" else FLOOR
+
+    def _pace(
+        self,
+        walks_from: Walks,
+        y0: Sequence[float],
+        first: float,
+        last: float,
+        tolerance: float,
+        longest: float,
+    ) -> Callable[[float], float]:
+        """The longest step from a time on; a tolerance below the least needs a trial run."""
+        even = limited(longest)
+        if tolerance >= self._least:
+            return even
+        trial = walks_from(first, y0, even, self.method)
         passed = [first]
         while trial.time != last and trial.advance() is not None:
             passed.append(trial.time)
-        if not trial.stuck:
-            pace = Pace(passed, tolerance, least, longest)
-    walk = steps(first, y0, method)
-    guard = None if system.guard is None else partial(_guard, system, values)
-    samples = np.empty((len(times), len(y0)))
-    samples[0] = y0
-    order = (times * walk.sign).tolist()
-    pieces: Pieces = []
-    done, outcome, longest_step = 1, "done", 0.0
-    reached, where = last, None
-    inside = guard is None or guard(walk.state) > 0
-    count_before = evaluations_before = 0
-    while walk.time != last:
-        before = walk.time
-        piece = walk.advance()
-        if piece is None and method == "LSODA" and not count_before:
-            count_before, evaluations_before = walk.count, walk.evaluations
-            # Where rates end, LSODA takes no shorter step back; Radau comes to the very place.
-            walk = steps(walk.time, walk.state, "Radau")
-            piece = walk.advance()
-        if piece is None:
-            outcome, reached, where = "stuck", walk.time, np.array(walk.state)
-            break
-        end = walk.time
-        longest_step = max(longest_step, abs(end - before))
-        if watch is not None:
-            watch(end)
-        if dense:
-            # Worked out now: some solvers forget a step with the next one.
-            piece(np.array([end]))
-            pieces.append(piece)
-        if guard is not None:
-            value = guard(walk.state)
-            # Roots touch zero, but are nowhere below.
-            if inside and value <= 0:
-                outcome, end = "edge", _crossing(guard, piece, walk.time)
-                reached, where = end, piece(np.array([end]))[0]
-            inside = value > 0
-        count = bisect_right(order, walk.sign * end, done)
-        if count > done:
-            samples[done:count] = piece(times[done:count])
-            if order[count - 1] == walk.sign * walk.time:
-                samples[count - 1] = walk.state
-            done = count
-        if outcome == "edge":
-            break
-        if changes is not None and changes.due():
-            walk.move(changes.made(np.array(walk.state), samples[0]).tolist())
-    if where is None:
-        where = samples[-1].copy()
-    ended = time.perf_counter()
-    return Run(
-        times[:done],
-        samples[:done],
-        reached,
-        where,
-        outcome,
-        count_before + walk.count,
-        evaluations_before + walk.evaluations,
-        ready - began,
-        ended - ready,
-        _joined(pieces) if pieces else None,
-        walk.stuck,
-        longest_step,
-    )
+        return even if trial.stuck else Pace(passed, tolerance, self._least, longest)
 
 
-def _guard(system: System, values: Sequence[float], state: Sequence[float]) -> float:
-    """The guard at a state."""
-    return system.guard_at(state, values)
+Walks: TypeAlias = Callable[
+    [float, Sequence[float], Callable[[float], float], str], Steps | ScipySteps
+]
 
 
-def _crossing(
-    guard: Callable[[Sequence[float]], float], piece: Polynomial | Piece, after: float
-) -> float:
-    """The time within a step at which the guard falls through zero."""
-
-    def value(t: float) -> float:
-        return guard(piece(np.array([t]))[0].tolist())
-
-    if value(piece.t) <= 0 or value(after) >= 0:
-        return after
-    tiny = 4 * np.finfo(float).eps
-    # Its declared type includes the pair that it returns with a report.
-    return float(scipy.optimize.brentq(value, piece.t, after, xtol=tiny, rtol=tiny))  # type: ignore[arg-type]
+def _unmoved(
+    times: np.ndarray, y0: Sequence[float], outcome: str, reason: str, seconds: float
+) -> Run:
+    """The run without a step; seconds: to compile."""
+    here = np.array(y0)
+    first = float(times[0])
+    return Run(times[:1], here[None, :], first, here, outcome, 0, 1, seconds, 0.0, None, reason)
 
 
 def _joined(pieces: Pieces) -> Dense:

@@ -169,7 +169,29 @@ def array(
     # numpy takes 0.09 s to load, which `import geomtorsion` does not need.
     import numpy as np
 
-    wrong, kind = shape_error or error, expected or "an array of real numbers"
+    table = _real_table(values, subject, shape_error or error, expected, remedy)
+    if shape is not None and not _fits(table.shape, shape):
+        words = {None: "any", ...: "..."}
+        named = ", ".join(words.get(n, str(n)) for n in shape)
+        wanted = expected or f"shape ({named})"
+        came = f"shape {table.shape}" if expected else table.shape
+        raise (shape_error or error)(sentence(subject, wanted, came, remedy))
+    table = table.astype(float)
+    if infinite is not None and not np.isfinite(table).all():
+        place = tuple(int(k) for k in np.argwhere(~np.isfinite(table))[0])
+        where = list(place) or ""
+        raise error(infinite.format(subject=subject, value=float(table[place]), place=where))
+    return table
+
+
+def _real_table(
+    values: object, subject: str, error: ErrorClass, expected: str, remedy: str
+) -> np.ndarray:
+    """An array of integers or floats in the shape in which it was given."""
+    # numpy takes 0.09 s to load, which `import geomtorsion` does not need.
+    import numpy as np
+
+    kind = expected or "an array of real numbers"
     try:
         if isinstance(values, range):
             # It names numbers that it does not hold: they are counted before they are written out.
@@ -180,34 +202,25 @@ def array(
         if table.dtype.kind == "O":
             # Fractions and sympy numbers arrive as objects; each is checked.
             sizes = [real(entry) for entry in table.ravel()]
-            table = np.array([np.nan if x is None else x for x in sizes]).reshape(table.shape)
             if None in sizes:
-                refuse(wrong, subject, kind, values, remedy)
+                refuse(error, subject, kind, values, remedy)
+            table = np.array(sizes, dtype=float).reshape(table.shape)
     except (TypeError, ValueError, OverflowError, RecursionError) as reason:
         if isinstance(reason, GeomtorsionError):
             raise
-        refuse(wrong, subject, kind, values, remedy)
+        refuse(error, subject, kind, values, remedy)
     if table.dtype.kind not in "iuf":
-        refuse(wrong, subject, kind, values, remedy)
-    fits = True
-    if shape is not None:
-        last = shape[1:] if shape[:1] == (...,) else shape
-        sizes = table.shape[-len(last) :] if last is not shape else table.shape
-        fits = len(sizes) == len(last) and all(
-            n in (None, m) for n, m in zip(last, sizes, strict=True)
-        )
-    if not fits:
-        words = {None: "any", ...: "..."}
-        named = ", ".join(words.get(n, str(n)) for n in shape or ())
-        wanted = expected or f"shape ({named})"
-        came = f"shape {table.shape}" if expected else table.shape
-        raise wrong(sentence(subject, wanted, came, remedy))
-    table = table.astype(float)
-    if infinite is not None and not np.isfinite(table).all():
-        place = tuple(int(k) for k in np.argwhere(~np.isfinite(table))[0])
-        where = list(place) or ""
-        raise error(infinite.format(subject=subject, value=float(table[place]), place=where))
+        refuse(error, subject, kind, values, remedy)
     return table
+
+
+def _fits(sizes: tuple[int, ...], shape: tuple[int | EllipsisType | None, ...]) -> bool:
+    """Whether a shape fits; None is any length, ... first any axes before."""
+    if shape[:1] == (...,):
+        shape = shape[1:]
+        sizes = sizes[-len(shape) :]
+    pairs = zip(shape, sizes, strict=False)
+    return len(sizes) == len(shape) and all(n in (None, m) for n, m in pairs)
 
 
 def whole_array(

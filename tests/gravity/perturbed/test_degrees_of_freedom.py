@@ -218,6 +218,7 @@ def test_refusals(call: Any, words: str):
         ("0", "flat", 2, "expected a matter field"),
         ("0", "riemannian", 3, "zero for every field"),
         ("R", "riemannian", 2, "zero for every field"),
+        ("T", "teleparallel", 2, "zero for every field"),
         ("1", "riemannian", 3, "a number that is not zero"),
     ],
 )
