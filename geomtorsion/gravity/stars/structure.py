@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from functools import lru_cache
 
@@ -11,6 +10,7 @@ import sympy as sp
 from geomtorsion.errors import GravityError
 from geomtorsion.exact import Element
 from geomtorsion.geometry import Frame, levi_civita
+from geomtorsion.gravity.reduced.beginning import Start
 from geomtorsion.gravity.reduced.reduction import Reduction
 from geomtorsion.gravity.stars import first_order
 from geomtorsion.gravity.stars.first_order import SIZE, R
@@ -90,25 +90,21 @@ class Structure:
         here = {ETA: _FIRST - _DEPTH}
         return {name: (one / falling).xreplace(here) for name, one in rates.items()}
 
-    def ode(
-        self,
-        eta: sp.Expr,
-        start: Mapping[str, object],
-        parameters: Mapping[str, object],
-        near: Mapping[str, object],
-    ) -> tuple[ODE, sp.Expr]:
+    def ode(self, eta: sp.Expr, start: Start) -> tuple[ODE, sp.Expr]:
         """The equations of the star with a value of eta at its centre, and its depth."""
         # A centre where two pieces meet belongs to the lower one: both agree there.
         pieces, last = self.matter.numbers, self.matter.piece_of(float(eta * (1 - SURFACE)))
-        numbers = {**parameters, **pieces[last]}
-        begin = {**start, "eta": eta, **({"K": 1, "w": 1} if self.tides else {})}
-        place, values = self.reduction.begin(begin, numbers, near=near)
+        numbers = {**start.parameters, **pieces[last]}
+        centre = {**start.values, "eta": eta, **({"K": 1, "w": 1} if self.tides else {})}
+        beginning = self.reduction.beginning(replace(start, values=centre, parameters=numbers))
+        place, values = beginning.first
         knot = sp.Rational(self.matter.knots[last])
         if values["eta"] <= knot:
             # Within this piece: eta falls with the square of the radius.
             share = sp.sqrt((eta - knot) / (eta - values["eta"])) / 2
             reach = place * sp.Rational(2) ** sp.floor(sp.log(share, 2).evalf())
-            place, values = self.reduction.begin(begin, numbers, near=near, reach=reach)
+            place, values = beginning.within(reach)
+        values = dict(values)
         first = values.pop("eta")
         values["r"] = place
         if self.tides:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import re
 from collections.abc import Callable, Mapping
+from functools import partial
 from html import escape
 from os import PathLike
 from pathlib import Path
@@ -13,7 +14,9 @@ from geomtorsion.pictures.formula import FONT_SOURCE, font_face
 from geomtorsion.pictures.text import greek_name
 from geomtorsion.support import checks
 from geomtorsion.support.files import write_texts
+from geomtorsion.teaching.exercises.chapter_folder import load_folder
 from geomtorsion.teaching.exercises.prose import html_of
+from geomtorsion.teaching.exercises.registry import Own
 from geomtorsion.teaching.exercises.worker_pool import Json
 from geomtorsion.teaching.lab import guides, views
 from geomtorsion.teaching.lab.controls import path_case
@@ -68,22 +71,28 @@ def write_pages(
     directory: str | PathLike[str],
     progress: Progress = lambda _: None,
     language: Language = ENGLISH,
+    chapter: Own = None,
 ) -> tuple[Path, ...]:
     """Write index.html and a page for each tab; return their paths, the index first.
 
     The pages show computed cases. They check no answers and read no tetrads. They contain
     everything: style, pictures, mathematics (MathML) and the scripts that turn pictures and move
     sliders. Writing starts after all computations. language: of the texts.
+    chapter: the folder of a teacher's chapter, whose exercises come last.
     """
     directory = checks.file_name(directory, "directory")
-    return write_texts(directory, pages(progress, language_name(language)))
+    own = None if chapter is None else load_folder(chapter).folder
+    return write_texts(directory, pages(progress, language_name(language), own))
 
 
-def pages(progress: Progress = lambda _: None, language: str = ENGLISH) -> dict[str, str]:
+def pages(
+    progress: Progress = lambda _: None, language: str = ENGLISH, chapter: str | None = None
+) -> dict[str, str]:
     """File name -> page, the index first."""
     makers = {
         guides.COMPASS: compass, guides.LOOPS: loops, guides.PATHS: curves, guides.TOP: tops,
-        guides.COSTS: cost_tables, guides.TETRAD: tetrads, guides.EXERCISES: exercises,
+        guides.COSTS: cost_tables, guides.TETRAD: tetrads,
+        guides.EXERCISES: partial(exercises, chapter=chapter),
     }  # fmt: skip
     contents = {}
     tabs = {name: guides.tab(name, language, still=True) for name in makers}
@@ -231,15 +240,17 @@ def cost_tables(language: str) -> str:
     return "".join(_nameless(views.costs(reply, language)) for reply in replies)
 
 
-def exercises(language: str) -> str:
+def exercises(language: str, chapter: str | None = None) -> str:
     """All exercises with their hints, and the command that checks an answer."""
     parts, text = [], texts("lab", "form", language)
-    for chapter, listed in task("listing")(language=language)["chapters"].items():
-        parts.append(f"<h2>{escape(chapter)}</h2>")
+    source = {"language": language, "chapter": chapter}
+    own = "" if chapter is None else load_folder(chapter).number
+    for heading, listed in task("listing")(**source)["chapters"].items():
+        parts.append(f"<h2>{escape(heading)}</h2>")
         for number in listed:
-            reply = task("exercise")(number=number, language=language)
+            reply = task("exercise")(number=number, **source)
             asked_for = {"number": number, "seed": 0, "count": reply["hints"]}
-            hints = task("hints")(**asked_for, language=language)["hints"]
+            hints = task("hints")(**asked_for, **source)["hints"]
             asked = "".join(
                 f'<li>{question["prompt"]}<p class="note">{escape(_how(question))}</p></li>'
                 for question in reply["questions"]
@@ -247,7 +258,9 @@ def exercises(language: str) -> str:
             steps = "".join(f"<li>{hint}</li>" for hint in hints)
             stated = _nameless(views.exercise(reply, language))
             folded = escape(text("hints", count=len(hints)))
-            command = f"{escape(text('command'))} <code>{escape(_command(reply, language))}</code>"
+            folder = Path(chapter).name if chapter and number.startswith(f"{own}.") else ""
+            typed = escape(_command(reply, language, folder))
+            command = f"{escape(text('command'))} <code>{typed}</code>"
             parts.append(
                 f'<section class="card" id="e{number}">{stated}<ul>{asked}</ul>'
                 f"<details><summary>{folded}</summary><ol>{steps}</ol></details>"
@@ -263,8 +276,8 @@ def _how(question: Json) -> str:
     return "; ".join(f"{key}: {text}" for key, text in question["options"].items())
 
 
-def _command(exercise: Json, language: str = ENGLISH) -> str:
-    """The command that checks the answers to an exercise.
+def _command(exercise: Json, language: str = ENGLISH, folder: str = "") -> str:
+    """The command that checks the answers to an exercise. folder: of a teacher's chapter.
 
     >>> _command({"number": "1.2", "questions": [{"name": "metric"}, {"name": "volume"}]})
     'geomtorsion exercises check 1.2 "metric=..." "volume=..."'
@@ -272,6 +285,7 @@ def _command(exercise: Json, language: str = ENGLISH) -> str:
     names = [question["name"] for question in exercise["questions"]]
     words = [f'"{name}=..."' for name in names] if len(names) > 1 else ['"..."']
     more = [] if language == ENGLISH else ["--language", quote(language)]
+    more += ["--chapter", quote(folder)] if folder else []
     return " ".join(["geomtorsion exercises check", exercise["number"], *words, *more])
 
 

@@ -383,17 +383,17 @@ def _(cases, guides, kind, language, mo, opened, runner, store, views):
 
 @app.cell
 def _(exercise_controls, language, mo, query, runner):
-    exercise = exercise_controls.exercises(
-        mo, runner.ask("listing", language=language), query, language
-    )
+    # The texts of an exercise depend on both.
+    texts_from = {"language": language, "chapter": exercise_controls.chapter(mo)}
+    exercise = exercise_controls.exercises(mo, runner.ask("listing", **texts_from), query, language)
     seed = exercise_controls.seed(mo, query, language)
-    return exercise, seed
+    return exercise, seed, texts_from
 
 
 @app.cell
-def _(Query, exercise, exercise_controls, language, mo, runner, seed):
+def _(Query, exercise, exercise_controls, language, mo, runner, seed, texts_from):
     _variant = exercise_controls.variant(seed.value)
-    stated = runner.ask("exercise", number=exercise.value, seed=_variant, language=language)
+    stated = runner.ask("exercise", number=exercise.value, seed=_variant, **texts_from)
     # Includes the text typed before the user switched to another exercise.
     fields = exercise_controls.answers(mo, stated, Query.now(mo), language)
     check = exercise_controls.check(mo, language)
@@ -433,7 +433,7 @@ def _(check, exercise_controls, fields, send, stated):
 
 
 @app.cell
-def _(guides, language, mo, opened, runner, sent, stated, views):
+def _(guides, language, mo, opened, runner, sent, stated, texts_from, views):
     mo.stop(opened != guides.EXERCISES)
     _answers = sent()
     _reply = None
@@ -443,17 +443,17 @@ def _(guides, language, mo, opened, runner, sent, stated, views):
             number=stated["number"],
             seed=stated["seed"],
             answers=_answers,
-            language=language,
+            **texts_from,
         )
     mo.Html(views.verdict(_reply, language))
     return
 
 
 @app.cell
-def _(guides, hint, language, mo, opened, runner, stated, views):
+def _(guides, hint, mo, opened, runner, stated, texts_from, views):
     mo.stop(opened != guides.EXERCISES or "number" not in stated)
     _taken = runner.ask(
-        "hints", number=stated["number"], seed=stated["seed"], count=hint.value, language=language
+        "hints", number=stated["number"], seed=stated["seed"], count=hint.value, **texts_from
     )
     mo.vstack([hint, mo.Html(views.steps(_taken))])
     return

@@ -43,26 +43,28 @@ def how(question: Question) -> str:
     return text("names", form=form, names=names) if names else text("no_names", form=form)
 
 
-def listing(language: str = ENGLISH) -> Json:
-    """All exercises by chapter; loads none of them.
+def listing(language: str = ENGLISH, chapter: str | None = None) -> Json:
+    """All exercises by chapter. chapter: the folder of a teacher's chapter, which comes last.
 
     Examples
     --------
     >>> list(listing()["chapters"])[0]
     '1. Frames and anholonomy'
     """
-    titles = exercises.titles(language)
+    titles = exercises.titles(language, chapter)
     return {
         "chapters": {
             f"{number}. {title}": {
                 name: what for name, what in titles.items() if name.partition(".")[0] == number
             }
-            for number, title in exercises.chapters(language).items()
+            for number, title in exercises.chapters(language, chapter).items()
         }
     }
 
 
-def statement(number: str, seed: int = 0, language: str = ENGLISH) -> Json:
+def statement(
+    number: str, seed: int = 0, language: str = ENGLISH, chapter: str | None = None
+) -> Json:
     """An exercise without its solution; statement and prompts as HTML, formulas as MathML.
 
     Examples
@@ -71,7 +73,7 @@ def statement(number: str, seed: int = 0, language: str = ENGLISH) -> Json:
     >>> found["title"], [question["name"] for question in found["questions"]], found["hints"]
     ('The legs of a coframe', ['legs'], 3)
     """
-    exercise = exercises.load(number, seed, language)
+    exercise = exercises.load(number, seed, language, chapter)
     asked = [question.prompt for question in exercise.questions]
     return {
         "number": exercise.number,
@@ -97,7 +99,9 @@ def statement(number: str, seed: int = 0, language: str = ENGLISH) -> Json:
     }
 
 
-def hints(number: str, seed: int, count: int, language: str = ENGLISH) -> Json:
+def hints(
+    number: str, seed: int, count: int, language: str = ENGLISH, chapter: str | None = None
+) -> Json:
     """The first hints of an exercise, as HTML.
 
     Examples
@@ -105,7 +109,7 @@ def hints(number: str, seed: int, count: int, language: str = ENGLISH) -> Json:
     >>> len(hints("1.1", 0, 2)["hints"])
     2
     """
-    taken = exercises.load(number, seed, language).hints[:count]
+    taken = exercises.load(number, seed, language, chapter).hints[:count]
     return {"hints": [html_of(hint) for hint in taken], "copy": _copy_button(taken, "hints")}
 
 
@@ -116,7 +120,13 @@ def _copy_button(pieces: Sequence[str], what: str) -> str:
     return views.copy_button("\n\n".join(map(latex_of, pieces)), what)
 
 
-def answer(number: str, seed: int, answers: Mapping[str, str], language: str = ENGLISH) -> Json:
+def answer(
+    number: str,
+    seed: int,
+    answers: Mapping[str, str],
+    language: str = ENGLISH,
+    chapter: str | None = None,
+) -> Json:
     """The verdict on answers, question by question, as HTML; an empty answer is skipped.
 
     Raises
@@ -138,7 +148,7 @@ def answer(number: str, seed: int, answers: Mapping[str, str], language: str = E
                 f"{name}: expected an answer of at most {PAGE.answer:,} characters, got "
                 f"{len(text):,}. Shorten it: {PAGE.answer:,} are enough for every exercise."
             )
-    verdict = exercises.load(number, seed, language).check(typed)
+    verdict = exercises.load(number, seed, language, chapter).check(typed)
     states = TextTable("feedback", "states", language)
     return {
         "right": verdict.right,
