@@ -51,7 +51,7 @@ _TWO_INDICES = re.compile(r"([_^])\{(\w)\}\1\{(\w)\}")
 _CAPITALS = {"Γ": r"\Gamma ", "Ω": r"\Omega ", "Φ": r"\Phi "}
 _WORD = re.compile(r"[a-z]{2,}|[A-Z][a-z]+|a|A|I")
 _NAME = re.compile(
-    # Names of code, bars and abbreviations that are no letters with indices.
+    # Names of code, bars and abbreviations, which are not letters with indices.
     r"\b[a-z]{3,}_(?:[a-z]{3,}|[A-Z])|_[A-Z]{2}|_in_|\b(?!Gamma_|R_|D_)\w+_bar\b|\^vee|"
     r"[A-Z]'s|\"|[`\[][A-Za-z]{4,}|\.py|[0-9]{4}\]"
 )
