@@ -2,6 +2,7 @@
 
 import math
 from collections.abc import Callable, Sequence
+from typing import Any
 
 import numpy as np
 import pytest
@@ -610,5 +611,6 @@ def test_the_only_variable_may_be_omitted():
     hole = gt.gravity.equations(gt.levi_civita("schwarzschild"), "R/2")
     with pytest.raises(GravityError, match="expected an unknown function of t"):
         hole.reduce()
+    frame: Any = gt.spaces.load("schwarzschild").frame
     with pytest.raises(GravityError, match=r"Give cartan\(frame\) or levi_civita\(frame\)"):
-        gt.gravity.equations(gt.spaces.load("schwarzschild").frame, "R/2")
+        gt.gravity.equations(frame, "R/2")
