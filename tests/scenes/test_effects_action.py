@@ -110,7 +110,7 @@ FREE = {
 }  # fmt: skip
 
 
-@pytest.mark.parametrize("name", few(4, FREE))
+@pytest.mark.parametrize("name", few(4, list(FREE)))
 def test_free_bodies(name):
     """On the frame of R^3 x SO(3), by Hamilton's principle or (autoparallels) Kleinert's."""
     acting, lagrangian, forces, principle = FREE[name]

@@ -92,7 +92,6 @@ def test_brans_dicke_has_one_more():
     assert count("(2 + phi)*R - X", "riemannian", dimension=3, scalars="phi").number == 1
 
 
-@pytest.mark.slow
 def test_f_of_t_in_three_dimensions():
     """f(T) and a scalar field where dT does not vanish: 2 + 1 of them."""
     answer = count("T + c*T**2 + X/2", "teleparallel", dimension=3, near=UNIVERSE,
@@ -119,6 +118,7 @@ def test_f_of_t_in_the_vacuum():
     assert alone.branch == ()
 
 
+@pytest.mark.slow
 def test_a_start_in_flat_space_falls_on_another_branch():
     """From flat space T is constant on the solution of f(T), and no number is guessed."""
     answer = count("T + c*T**2", "teleparallel", dimension=3, parameters={"c": 0.3})
