@@ -225,8 +225,25 @@ class Switching:
         key = values, bits
         if key not in self._level_numbers:
             numbers = self._levels.exactly(list(values), max(bits, 53 + 20))
+            self._check_order(floats(numbers))
             self._level_numbers[key] = floats(numbers) if bits == 53 else numbers
         return self._level_numbers[key]
+
+    def _check_order(self, numbers: Sequence[float]) -> None:
+        """Refuse values of parameters for which the levels of pieces do not increase."""
+        still = dict(zip(self._still, numbers[len(self.surfaces) :], strict=True))
+        for part, rows in self.places.items():
+            if all(level.is_number for level in part.levels):
+                continue
+            places = [x for x in rows if not isinstance(x, sp.Expr)]
+            if len({self.surfaces[k].term for k, _ in places}) > 1:
+                # Levels that move have no order of their own.
+                continue
+            levels = [numbers[k] if up else -numbers[k] for k, up in places]
+            levels = levels or [-still[x] for x in rows if isinstance(x, sp.Expr)]
+            if levels != sorted(levels):
+                words = ", ".join(map(str, part.levels))
+                raise Ended(f"the levels {words} of pieces in {part.term} do not increase")
 
     def times(self, parameters: Mapping[str, Real]) -> list[tuple[float, int]]:
         """Times at which something changes, in order, each with its surface."""
