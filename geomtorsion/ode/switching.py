@@ -7,7 +7,6 @@ act, or at the next time at which something changes.
 
 from __future__ import annotations
 
-import math
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from typing import Any, Protocol
@@ -16,7 +15,7 @@ import numpy as np
 import sympy as sp
 
 from geomtorsion.codegen import Graph, graph
-from geomtorsion.errors import ExpressionError, TimeError
+from geomtorsion.errors import ExpressionError
 from geomtorsion.ode.derivatives import Jump, along
 from geomtorsion.ode.error_estimate import NOISE
 from geomtorsion.ode.numbers import Real, floats
@@ -487,26 +486,3 @@ class Switching:
             value = values[surface.term]
             above.append(bool(value > level if from_below else value >= level))
         return replace(position, above=tuple(above))
-
-
-def moments(events: Sequence[At], parameters: Mapping[str, Real]) -> list[tuple[At, int]]:
-    """Events with their times as numbers, in order of time, each with its place in the list.
-
-    Raises
-    ------
-    TimeError
-        a time is not a number of 0 or more.
-    """
-    rows = []
-    for k, event in enumerate(events):
-        at = event.time
-        if isinstance(at, sp.Expr):
-            value = graph(tuple(parameters), [at]).exactly(list(parameters.values()), 73)[0]
-            at = float(value) if not hasattr(value, "imag") or value.imag == 0 else math.nan
-            if not (math.isfinite(at) and at >= 0):
-                raise TimeError(
-                    f"event: expected a time of 0 or later, got {event.time} = {at}. Give other "
-                    "parameters."
-                )
-        rows.append((At(at, event.changes), k))
-    return sorted(rows, key=lambda row: row[0].time)
