@@ -116,7 +116,7 @@ class Brackets:
         return self.span(self.span(rows).kernel())
 
     def quotient(self, ideal: Reduced) -> Brackets:
-        """The algebra modulo an ideal, with the basis elements that are not pivots of it."""
+        """Quotient by an ideal, with the basis elements without a pivot of the ideal."""
         places = ideal.free
         table = {
             (a, b): [ideal.rest(self.constant(i, j))[k] for k in places]

@@ -64,7 +64,7 @@ class Form:
         Raises
         ------
         SingularPointError
-            One is not finite; the message names it and the point.
+            An entry is not finite; the message names the entry and the point.
         """
         entries = self.values(points)
         return entries if np.isfinite(entries).all() else self.refuse()(*points, *self.numbers)

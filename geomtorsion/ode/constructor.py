@@ -36,7 +36,7 @@ def read(
     normalized: Sequence[Sequence[str]],
     tables: Mapping[str, object] | None,
 ) -> Given:
-    """Rates, start, parameters, invariants, outputs, timed events and conditions; see `ODE.of`."""
+    """Read and check the arguments of `ODE.of`."""
     source = rates
     if not isinstance(rates, Mapping):
         rates = getattr(source, "rates", None)

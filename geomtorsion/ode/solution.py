@@ -616,9 +616,9 @@ class Solution:
         return max(least, error)
 
     def resolves(self, name: str) -> bool:
-        """Whether what a name gives is more than zero and rounding noise.
+        """Whether a state or output is more than zero and rounding noise.
 
-        The runs that are compared agree in noise in no digit.
+        In rounding noise, the compared runs agree in no digit.
 
         Raises
         ------
@@ -664,8 +664,8 @@ class Solution:
     def error_between(self) -> float:
         """Estimate of the largest error of `at`, also between the times; relative like `error`.
 
-        Worked out on first use, from dense output of the solution and of the run with which it
-        was compared, at about a hundred places: it costs as much as the solution did.
+        Computed on first use, from dense output of the solution and of its comparison run, at
+        about a hundred times between the first and the last: it costs as much as the solution.
         """
         if not self.comparisons:
             return math.inf

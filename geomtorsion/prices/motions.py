@@ -45,10 +45,10 @@ States = Callable[[np.ndarray], Any]
 
 @dataclass(frozen=True)
 class Truth:
-    """Best known solution of a motion.
+    """Reference solution of a motion: a closed form, a proof, or the most accurate run.
 
     name: its source; trajectory: states at the times of the requested solutions.
-    radius: proved bound of its own error, relative; 0.0 where it is not proved.
+    radius: proved relative bound of its error; 0.0 without a proof.
     """
 
     name: str

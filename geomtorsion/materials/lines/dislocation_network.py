@@ -401,7 +401,7 @@ class DislocationNetwork:
         Raises
         ------
         NetworkError
-            There is no box, or nodes have no positions.
+            The network has no box, or nodes have no positions.
         """
         return float(self._per_volume(self.arrays.lengths.sum()))
 
@@ -412,7 +412,7 @@ class DislocationNetwork:
         Raises
         ------
         NetworkError
-            There is no box, or nodes have no positions.
+            The network has no box, or nodes have no positions.
         """
         return self._per_volume(self.arrays.burgers.T @ self.arrays.steps)
 
