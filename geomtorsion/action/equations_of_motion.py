@@ -109,7 +109,7 @@ class EquationsOfMotion:
 
     @property
     def velocities(self) -> tuple[sp.Symbol, ...]:
-        """The moving quasi-velocities: all of them, or those free under constraints."""
+        """Quasi-velocities that change: all of them, or the free ones under constraints."""
         return tuple(self.hamel.bundle.symbols.velocities[i] for i in self.hamel.free)
 
     @property

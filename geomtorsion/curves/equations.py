@@ -336,7 +336,7 @@ class Equations:
 
     @property
     def plain_width(self) -> int:
-        """Number of states without those that are carried along."""
+        """Number of states without the transported vectors."""
         return len(self.states) - len(self.carried)
 
     @cached_property

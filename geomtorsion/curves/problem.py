@@ -725,7 +725,7 @@ class CurveProblem(ByContent):
         bits: int,
         names: Collection[str] | None = None,
     ) -> Moment:
-        """Coordinates, velocities and carried quantities in the home chart, or those with names."""
+        """Coordinates, velocities and carried quantities in the home chart; `names`: only these."""
         if names is not None and not set(names) - {*self.coordinates, *self.parameters, "t"}:
             return readout.places(self, times, pieces, shape)
         return readout.moment(self, times, pieces, shape, bits)

@@ -29,7 +29,7 @@ class Brackets:
 
     @classmethod
     def of(cls, field: Field, dimension: int, table: Table) -> Brackets:
-        """Brackets without those that vanish."""
+        """Brackets, without vanishing ones."""
         rows = {pair: row for pair, row in table.items() if not all(vanishes(x) for x in row)}
         return cls(field, dimension, rows)
 

@@ -86,7 +86,7 @@ class LieAlgebra:
         return self.exact.dimension
 
     def brackets(self) -> dict[tuple[int, int, int], sp.Expr]:
-        """(i, j, k) -> C_ij^k for i < j, those that do not vanish.
+        """(i, j, k) -> C_ij^k for i < j, without vanishing ones.
 
         Examples
         --------

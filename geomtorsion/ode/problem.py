@@ -608,7 +608,7 @@ class ODE(ByContent):
         return values
 
     def normalizer(self, precision: int) -> Callable[[State], State] | None:
-        """What `Stage.kept` does to states of the system."""
+        """The function `Stage.kept` for states of the system."""
         return partial(self._normalized, precision=precision) if self._unit_places else None
 
     def _normalized(self, state: State, precision: int) -> State:
@@ -674,7 +674,7 @@ class ODE(ByContent):
         return []
 
     def together(self, name: str) -> tuple[str, ...]:
-        """The states that are measured together with one; nothing for an output."""
+        """The states of one size with a state; empty for an output."""
         groups = ([self.states[k] for k in group] for group in self.first_stage(53, 0.0).groups)
         return next((tuple(group) for group in groups if name in group), ())
 

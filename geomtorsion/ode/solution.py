@@ -95,7 +95,7 @@ SHIFT = 1 - GOLDEN
 
 
 class Problem(Protocol):
-    """What can be solved: a curve in a space, or first-order equations of any kind."""
+    """A problem for a solver: a curve in a space, or first-order equations of any kind."""
 
     @property
     def time_unit(self) -> float:
@@ -113,7 +113,7 @@ class Problem(Protocol):
         ...
 
     def check_start(self) -> None:
-        """Refuse a start from which nothing moves on."""
+        """Raise an error for a start from which no motion continues."""
         ...
 
     def first_stage(self, precision: int, perturbation: float) -> Stage:
@@ -127,7 +127,7 @@ class Problem(Protocol):
     def read_gaps(
         self, one: Trajectory, two: Trajectory, count: int, accuracy: float, /
     ) -> list[tuple[np.ndarray, float]]:
-        """What a reader gets at the first samples: differences at each, and the size of all."""
+        """Differences at the first samples as a reader sees them, and the size of all."""
         ...
 
     def together(self, name: str) -> tuple[str, ...]:

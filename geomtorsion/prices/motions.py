@@ -84,7 +84,7 @@ def truth_of(problem: CurveProblem | ODE, grid: np.ndarray, exact: States | None
 
 
 def proved_truth(problem: CurveProblem | ODE, times: np.ndarray) -> Truth | None:
-    """The finest solution with the proved bound of its error; None where nothing is proved."""
+    """The finest solution with a proved bound of its error; None without a proof."""
     engine: Engine = Taylor(113) if is_available() else RungeKutta()
     try:
         finest = solve(problem, times, TRUTH_ACCURACY if is_available() else 1e-12, engine)

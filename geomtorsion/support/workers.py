@@ -277,7 +277,7 @@ class LineProcess:
         return self.owner == os.getpid() and self.process.poll() is None
 
     def end(self) -> None:
-        """End the process and those below it, at once."""
+        """End the process and its children at once."""
         if self.owner != os.getpid():
             return
         if self.lives:
