@@ -222,10 +222,9 @@ def _solved(
             if solution.complete:
                 return solution
             alternative = None
-            stepper = RungeKutta()
-            if engine is None and candidate != stepper and is_coarse(accuracy):
+            if engine is None and candidate != RungeKutta() and is_coarse(accuracy):
                 # Series have no value where roots begin, which steps may leave behind.
-                stepwise = _Runs(problem, stepper, accuracy, grid, parts, kept, report)
+                stepwise = _Runs(problem, RungeKutta(), accuracy, grid, parts, kept, report)
                 alternative = _complete(stepwise, runs)
             if alternative is None:
                 raise _stuck_error(problem, solution)
