@@ -148,7 +148,7 @@ CEILINGS = {
 }
 # Lines of code below and above the wall, rounded up to five hundreds, without docstrings, comments
 # and blanks. A change that needs more raises a number and states in its commit what users get.
-BUDGET = {"below the wall": 56000, "above the wall": 61500}
+BUDGET = {"below the wall": 56000, "above the wall": 62500}
 # What a program that imports the package does not wait for.
 LATER = ("sympy", "flint", "mpmath", "numpy", "multiprocessing", "asyncio", "tomllib", "sqlite3")
 HEAVY = ("networkx", "scipy", "typer", "rich", "matplotlib", "heyoka", "marimo", "dask", "ase")
@@ -389,7 +389,7 @@ DRAWN_ELSEWHERE = {
     "materials/fields/scattered.py": "points in examples",
     "materials/lines/circuit.py": "the apex of a cone over a circuit",
     "scenes/to_ode.py": "states of a body, at which a rate vanishes",
-    "teaching/lab/server.py": "the access code of a page",
+    "teaching/lab/address.py": "the access code of a page",
 }
 DRAWING = re.compile(
     r"\bCandidates\(|value_of_name\(|import random|from random|default_rng|RandomState|PCG64"

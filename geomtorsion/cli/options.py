@@ -107,6 +107,15 @@ Language = Annotated[
     ),
 ]
 
+ChapterFolder = Annotated[
+    Path | None,
+    option(
+        "--chapter",
+        metavar="FOLDER",
+        text="A teacher's own exercises: a folder with chapter.toml; its chapter.py is run.",
+    ),
+]
+
 
 # -- sources of a command -------------------------------------------------------------------------
 

@@ -322,8 +322,9 @@ def shadow(
     plain.check_parameters(plain.atlas.home)
     captured, escaped = _conditions(plain, dark, sky)
     rays = make(space, camera, **options, stop=[*captured, *escaped])
-    texts = rays.stop_texts[: len(captured)]
-    slope, far = _slope(rays, len(captured), spatial)
+    # A condition with a kink is two stops.
+    texts = make(space, camera, **options, stop=captured).stop_texts
+    slope, far = _slope(rays, len(texts), spatial)
     if not far > 0 and (axis is None or length is None):
         raise StartError(
             "dark: expected a condition that changes with the place of the camera, got "

@@ -16,7 +16,9 @@ from geomtorsion.errors import ArgumentError, ChartEdgeError, ExpressionError, S
 from geomtorsion.exact import Element, Field, parse_expression
 from geomtorsion.geometry import Connection, Frame
 from geomtorsion.geometry.domain_edges import Edge
+from geomtorsion.ode.pieces import ends, pieces, without_kinks, without_piecewise
 from geomtorsion.ode.rates import CLOCK
+from geomtorsion.ode.terms import KINKED
 from geomtorsion.support import checks
 
 FORCE = "force of the problem"
@@ -197,9 +199,10 @@ class _Setting:
         if not moving:
             table = {k: x for k, x in table.items() if k in self.own or k not in self.velocities}
         reader = partial(
-            parse_expression, symbols=table, where=where, unknown=self.words(moving=moving)
-        )
-        read = checks.expression(value, where, read=reader)
+            parse_expression, symbols=table, functions=KINKED, where=where,
+            unknown=self.words(moving=moving), undeclared=True,
+        )  # fmt: skip
+        read = self._in_pieces(checks.expression(value, where, read=reader), where)
         # A parameter keeps the assumptions of the user's symbol.
         bound = {x: table[x.name] for x in read.free_symbols if x.name in table}
         read = read.xreplace({x: y for x, y in bound.items() if y.name not in self.parameters})
@@ -209,6 +212,20 @@ class _Setting:
                 "which depends on the velocity. Give it as a force."
             )
         return read
+
+    def _in_pieces(self, expr: sp.Expr, where: str) -> sp.Expr:
+        """Kinks and pieces as a function of the name `pieces`, which `to_ode` reads."""
+        moving = {*self.velocities, self.time, *(x.name for x in self.frame.coordinates)}
+        # A parameter has one sign in a motion, which the field states as a branch.
+        fixed = {
+            x: sp.Dummy(real=True)
+            for x in expr.atoms(sp.Abs)
+            if not moving & {symbol.name for symbol in x.free_symbols}
+        }
+        whole = without_kinks(without_piecewise(expr.xreplace(fixed), where))
+        for kind in (pieces, ends):
+            whole = whole.replace(kind, sp.Function(kind.__name__))
+        return whole.xreplace({dummy: x for x, dummy in fixed.items()})
 
     def field(self, entries: Iterable[sp.Expr]) -> tuple[Field, tuple[sp.Symbol, ...], str]:
         """The field of some expressions, the parameters that only they have, and their clock.

@@ -27,7 +27,7 @@ from geomtorsion.curves.stops import (
     terms_in_chart,
     with_stops,
 )
-from geomtorsion.curves.to_ode import ode_of
+from geomtorsion.curves.to_ode import ode_of, without_values
 from geomtorsion.curves.transported import Carried, Derivatives, carrying
 from geomtorsion.errors import (
     AccuracyError,
@@ -143,7 +143,7 @@ class CurveProblem(ByContent):
         """The curve as first-order equations in its home chart, with forces in pieces and tables.
 
         The states are the coordinates and the frame velocities u^i, or coordinates only if the
-        velocities are constant.
+        velocities are constant. The conditions of `stop` end it, and so do edges of the chart.
 
         events, tables: see `ODE.of`; the names of tables are functions in the forces. time: its
         name; by default the one that the forces use.
@@ -171,7 +171,9 @@ class CurveProblem(ByContent):
         equations = self.equations()
         start = dict(zip(self.coordinates, self.start, strict=True))
         speeds = dict(zip(equations.velocities, self.frame_velocity, strict=True))
-        return ode_of(equations, start, speeds, self.parameters, events, tables, time)
+        every = [*(When(stop.term) for stop in self.stops), *events]
+        edges = self.chart(self.atlas.home).edges
+        return ode_of(equations, start, speeds, self.parameters, every, tables, time, edges)
 
     def chart(self, name: str) -> Chart:
         """A chart of the atlas, with the edges of a law that has its own."""
@@ -449,11 +451,7 @@ class CurveProblem(ByContent):
 
     def check_start(self) -> None:
         """Refuse forces in pieces, a start beyond an edge, and find the first chart."""
-        if isinstance(self.law, Forced) and self.law.unknown:
-            raise ExpressionError(
-                f"force: expected an expression with values, got the function {self.law.unknown}. "
-                "Solve curve.to_ode(tables=...), which takes pieces(...) and tables."
-            )
+        self._check_values()
         if self.start is None:
             self._check_stops({})
             return
@@ -469,6 +467,11 @@ class CurveProblem(ByContent):
                 )
         self._check_stops(point)
         self._beginning(53)
+
+    def _check_values(self) -> None:
+        """Refuse forces in pieces and functions without values."""
+        if isinstance(self.law, Forced) and self.law.unknown:
+            raise ExpressionError(without_values(self.law.unknown))
 
     def _check_stops(self, point: Mapping[str, float]) -> None:
         """Refuse a start at which a condition to stop has fallen already."""
@@ -556,6 +559,7 @@ class CurveProblem(ByContent):
     def system(self, label: str) -> System:
         """Equations for the engines in a chart, with the conditions that end the curve."""
         if label not in self._systems:
+            self._check_values()
             equations, single = self.equations(label), len(self.charts) == 1
             system = equations.system.to_the_end if single else equations.system
             if self.stops:

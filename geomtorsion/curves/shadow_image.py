@@ -66,9 +66,10 @@ class ShadowEdge:
 
     def __repr__(self) -> str:
         low, high = float(self.radii.min()), float(self.radii.max())
+        count = len(self.angles)
         return (
-            f"edge of a shadow in {len(self.angles)} directions: {low:.8g} to {high:.8g} rad from "
-            f"the axis, error below {size_text(self.error)}"
+            f"edge of a shadow in {count} direction{'s' * (count > 1)}: {low:.8g} to {high:.8g} "
+            f"rad from the axis, error below {size_text(self.error)}"
         )
 
     _repr_html_ = drawn_by("shadow", "shadow_html")

@@ -65,7 +65,8 @@ def read_stops(
         where = "stop" if len(entries) == 1 else f"stop[{k}]"
         term = entry.falls if isinstance(entry, When) else entry
         read = expression(term, where, table, smooth=False)
-        check_smooth([read], [where])
+        parts = _smooth_parts(read)
+        check_smooth(parts, [where] * len(parts))
         moving = {table[name] for name in (*coordinates, *velocities)}
         if not read.free_symbols & moving:
             raise ExpressionError(
@@ -73,8 +74,20 @@ def read_stops(
                 f"Use {', '.join(names)}."
             )
         text = term.strip() if isinstance(term, str) else str(read)
-        stops.append(Stop(text, read.xreplace(values)))
+        stops += [Stop(text, part.xreplace(values)) for part in parts]
     return tuple(stops)
+
+
+def _smooth_parts(term: sp.Expr) -> list[sp.Expr]:
+    """Expressions of which the smallest is a condition, as 3 - x and 3 + x of 3 - Abs(x)."""
+    for kink in sorted(term.atoms(sp.Abs, sp.Max, sp.Min), key=sp.default_sort_key):
+        factor = term.coeff(kink)
+        rest = term - factor * kink
+        is_least = factor.is_positive if isinstance(kink, sp.Min) else factor.is_negative
+        if is_least and not rest.has(kink):
+            sides = (kink.args[0], -kink.args[0]) if isinstance(kink, sp.Abs) else kink.args
+            return [part for x in sides for part in _smooth_parts(rest + factor * x)]
+    return [term]
 
 
 def _exact(value: Real) -> sp.Expr:

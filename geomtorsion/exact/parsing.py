@@ -40,6 +40,7 @@ def parse_expression(
     decimals: bool = False,
     unknown: str = "",
     free: bool = False,
+    undeclared: bool = False,
 ) -> sympy.Expr:
     """Read a sympy expression from text of any source, without running code.
 
@@ -69,6 +70,8 @@ def parse_expression(
         as a parameter.
     free
         Whether an unknown name is a new symbol instead of an error.
+    undeclared
+        Whether an unknown name that is called is an unknown function beside ``functions`` also.
 
     Returns
     -------
@@ -113,7 +116,9 @@ def parse_expression(
     source = Source(text, where)
     tokens = tokens_of(source, {*symbols, *(functions or ())}, limits, decimals=decimals)
     nodes = with_products(source, tokens)
-    return read_tokens(source, nodes, symbols, functions, limits, unknown, free=free)
+    return read_tokens(
+        source, nodes, symbols, functions, limits, unknown, free=free, undeclared=undeclared
+    )
 
 
 def read_tokens(
@@ -125,10 +130,12 @@ def read_tokens(
     unknown: str = "",
     *,
     free: bool = False,
+    undeclared: bool = False,
 ) -> sympy.Expr:
     """Read an expression from the tokens of any notation; see `parse_expression`."""
     try:
-        reader = _Reader(source, symbols, functions, limits, unknown, free)
+        closed = functions is not None and not undeclared
+        reader = _Reader(source, symbols, functions or {}, limits, unknown, free, closed)
         return reader.read(parse(source, tokens, limits))
     except (RecursionError, MemoryError):
         raise source.limit(0, 1, too_deep(limits), "Write it flatter.") from None
@@ -140,10 +147,11 @@ class _Reader:
 
     source: Source
     symbols: Mapping[str, sympy.Symbol]
-    functions: Mapping[str, Any] | None
+    functions: Mapping[str, Any]
     limits: Limits
     unknown: str = ""
     free: bool = False
+    closed: bool = False
     denominator: int = field(default=1)
 
     def read(self, node: Node) -> sympy.Expr:
@@ -225,7 +233,7 @@ class _Reader:
         name = node.text
         if name in self.symbols:
             return self.symbols[name]
-        if self.functions and name in self.functions:
+        if name in self.functions:
             declared = self.functions[name]
             if isinstance(declared, sympy.Expr):
                 return declared
@@ -238,7 +246,7 @@ class _Reader:
             return sympy.Symbol(name)
         # I1 is near to I by its letters only: a constant of one letter is meant where all agree.
         constants = [one for one in CONSTANTS if len(one) > 1 or one.lower() == name.lower()]
-        names = [*self.symbols, *(self.functions or ()), *constants]
+        names = [*self.symbols, *self.functions, *constants]
         advice = self.unknown or "Otherwise declare {name} as a parameter."
         remedy = advice.replace("{name}", name)
         near = near_names(name, names)
@@ -250,18 +258,18 @@ class _Reader:
         name = node.text
         # For a mistake in the name itself, the message shows the name without its arguments.
         called = replace(node, end=node.start + len(name))
-        if name in DERIVATIVE_NAMES and name not in (self.functions or ()):
+        if name in DERIVATIVE_NAMES and name not in self.functions:
             return self._derivative(node, name)
-        if name == SUBSTITUTION_NAME and name not in (self.functions or ()):
+        if name == SUBSTITUTION_NAME and name not in self.functions:
             return self._at_a_place(node)
         if name in self.symbols:
             remedy = f"For a product write {name}*(...)."
             self._fail(called, f"{name} is a symbol, not a function", remedy)
         arguments = [self.read(argument) for argument in node.parts]
-        if self.functions and name in self.functions:
+        if name in self.functions:
             return self._declared(node, name, self.functions[name], arguments)
         entry = FUNCTIONS.get(name) or SPECIAL.get(name)
-        if entry is None and self.functions is not None:
+        if entry is None and self.closed:
             entry = SPECIAL_IF_DECLARED.get(name)
         if entry is not None:
             function, counts = entry
@@ -274,8 +282,8 @@ class _Reader:
             return value
         if name in NOT_SMOOTH:
             self._fail(called, f"{name} is not smooth", NOT_SMOOTH[name])
-        near = near_names(name, [*(self.functions or ()), *FUNCTIONS])
-        if self.functions is not None or near or not arguments:
+        near = near_names(name, [*self.functions, *FUNCTIONS])
+        if self.closed or near or not arguments:
             hint = f"Did you mean {near}? Otherwise d" if near else "D"
             remedy = f"{hint}eclare it as an unknown function with its arguments, as in {name}(r)."
             self._fail(called, f"{name} is not a function that is known here", remedy)

@@ -142,9 +142,11 @@ def end_map(
         if getattr(error, "ensemble", None) is None:
             raise
         many = error.ensemble
-    ends = many.rows.ends
-    fate = np.where(many.finished, ends.stops, Fate.undecided)
+    # A condition with a kink counts as one, though each side of it stops the motion.
+    texts = list(dict.fromkeys(problem.stop_texts))
+    stops = np.array([*map(texts.index, problem.stop_texts), Fate.on_the_way])[many.rows.ends.stops]
+    fate = np.where(many.finished, stops, Fate.undecided)
     times = np.where(many.finished, many.end.time, np.nan)
     shape = len(second), len(first)
     parts = (x.reshape(shape) for x in (fate, times, many.errors))
-    return EndMap((one, two), first, second, problem.stop_texts, *parts)
+    return EndMap((one, two), first, second, tuple(texts), *parts)

@@ -13,6 +13,7 @@ from geomtorsion.errors import ExpressionError
 from geomtorsion.pictures.latex import FUNCTIONS as latex_functions
 from geomtorsion.pictures.latex import latex_text
 from geomtorsion.pictures.text import GREEK
+from geomtorsion.support.checks import cut
 
 # LaTeX has no commands for capitals that look Latin.
 LETTERS = GREEK | {"epsilon": "ϵ", "varepsilon": "ε"}
@@ -24,6 +25,8 @@ _LOW = re.compile(
     r"\\left([(\[|])((?:(?!\\left|\\right|\\[dt]?frac|\\sqrt|\\begin).)*)\\right([)\]|])"
 )
 FUNCTIONS = (*latex_functions, "log", "exp", "det")
+# The formulas of a text in Markdown: a display between $$, or a formula between $.
+FORMULA = re.compile(r"\$\$(.+?)\$\$|\$(.+?)\$", re.DOTALL)
 # A function, perhaps with a power, before an argument in braces that needs no brackets.
 _NAMED = re.compile(rf"(\\(?:{'|'.join(FUNCTIONS)})(?:\^\{{[^{{}}]*\}})?)(?=\{{(?!\(|\\left))")
 
@@ -48,6 +51,13 @@ def mathml(latex: str, *, display: bool = False, tall: bool = False) -> str:
     >>> mathml("x_1")
     '<math><msub><mi>x</mi><mn>1</mn></msub></math>'
     """
+    text = converted(_for_browsers(latex), display=display)
+    text = _CAPITAL.sub(r'<mi mathvariant="normal">\1</mi>', text)
+    return text.replace("<math>", '<math displaystyle="true">', 1) if tall else text
+
+
+def _for_browsers(latex: str) -> str:
+    """A formula with the space that browsers set around primes, brackets and functions."""
     # As the superscript of a letter a prime is too small to see.
     parts = _WORDS.split(latex)
     parts[::2] = [part.replace("'", r"{\prime}") for part in parts[::2]]
@@ -56,19 +66,49 @@ def mathml(latex: str, *, display: bool = False, tall: bool = False) -> str:
         # Browsers set more space beside a bracket that may grow, even where it does not.
         primed, count = _LOW.subn(r"\1\2\3", primed)
     # A browser sets no space after the name of a function.
-    spaced = _NAMED.sub(r"\1\\,", primed)
-    text = _CAPITAL.sub(r'<mi mathvariant="normal">\1</mi>', converted(spaced, display=display))
-    return text.replace("<math>", '<math displaystyle="true">', 1) if tall else text
+    return _NAMED.sub(r"\1\\,", primed)
+
+
+def fault(text: str) -> str:
+    r"""The reason why a formula of a text cannot be set; empty if all formulas can.
+
+    text: Markdown with formulas between dollar signs.
+
+    Examples
+    --------
+    >>> fault(r"Let $r$ be $\frac{1}{2}$."), fault("5 cm")
+    ('', '')
+    >>> print(fault(r"Let $\frac{1$ be $r$."))
+    the formula $\frac{1$: expected closing token "}", but reached end of input
+    >>> print(fault("Let $r be the radius."))
+    expected a second $ after '$r be the radius.', got none
+    """
+    for match in FORMULA.finditer(text):
+        latex = match[1] or match[2]
+        try:
+            _convert(_for_browsers(latex))
+        except LatexError as error:
+            # The number before the reason counts characters of the rewritten formula.
+            reason = str(error).split(": ", 1)[-1].rstrip(".")
+            return f"the formula {cut(match[0], 80)}: {reason[:1].lower()}{reason[1:]}"
+    rest = FORMULA.sub("", text)
+    if "$" in rest:
+        return f"expected a second $ after {cut(rest[rest.index('$') :], 30)!r}, got none"
+    return ""
 
 
 def converted(latex: str, *, display: bool = False) -> str:
     """A formula as XML, as the library makes it."""
     try:
-        text = _converter().convert_with_local_state(latex, displaystyle=display)
+        text = _convert(latex, display=display)
     except LatexError as error:
         raise ExpressionError(f"formula {latex!r}: {error}") from None
     # XML has no name for this sign.
     return text.replace("&ApplyFunction;", "\u2061")
+
+
+def _convert(latex: str, *, display: bool = False) -> str:
+    return str(_converter().convert_with_local_state(latex, displaystyle=display))
 
 
 @cache

@@ -27,6 +27,7 @@ from geomtorsion.spaces.vocabulary import (
 )
 from geomtorsion.support import checks
 from geomtorsion.support.checks import flag, known_keys, shown
+from geomtorsion.support.file_kinds import naming_other_kinds
 from geomtorsion.support.files import Decimal, read_toml
 from geomtorsion.support.outgoing import one_line
 
@@ -44,6 +45,7 @@ KEYS = (
 ADVICE = 'Put expressions in quotes, as in ["r*sin(theta)", 0]; lists in square brackets.'
 
 
+@naming_other_kinds("a tetrad")
 def read_file(path: str | PathLike[str]) -> Space:
     """Read a space from a tetrad file.
 

@@ -66,6 +66,9 @@ KINDS = (
              pattern=re.compile(rb"^\s*(#[^\n]*\n\s*)*dataFileVersion"), readers=("lines",)),
     FileKind("a LAMMPS dump", "Read it by crystals.read, or use `geomtorsion crystal`.",
              pattern=re.compile(rb"^\s*ITEM: "), readers=("atoms",)),
+    FileKind("an XYZ file of atoms", "Read it by crystals.read, or use `geomtorsion crystal`.",
+             pattern=re.compile(rb"^\s*\d+\s*\n[^\n]*\n\s*[A-Z][a-z]?\d?\s+[-+\d.]"),
+             readers=("atoms",)),
     FileKind("a mesh of Gmsh", "Read it by ScatteredFrame.read with the ending .msh.",
              (b"$MeshFormat",), readers=("a field",)),
     FileKind("an input file of Abaqus", "It has a mesh, but no values. Export the displacement at "
@@ -112,6 +115,10 @@ KINDS = (
     FileKind("an EBSD map (EDAX .ang)", "Read it by OrientationMap.read with the ending .ang.",
              pattern=re.compile(rb"^# (TEM_PIXperUM|HEADER: Start)"),
              readers=("a map",), ends=(".ang", ".txt")),
+    FileKind("a table of columns", "Read a field by SampledFrame.read or ScatteredFrame.read, and "
+             "a map by OrientationMap.read.",
+             pattern=re.compile(rb'^["\w .()/-]+([,;\t]["\w .()/-]+)+\r?\n\s*["+-]?[\d.]'),
+             readers=("a field", "a map")),
     FileKind("text in UTF-16", "Save the file as UTF-8.", (b"\xff\xfe", b"\xfe\xff")),
 )  # fmt: skip
 

@@ -12,12 +12,15 @@ from types import MappingProxyType
 from typing import Any
 
 from geomtorsion.errors import UnknownNameError
+from geomtorsion.pictures.formula import fault
 from geomtorsion.support import checks
 from geomtorsion.support.files import TomlFile, read_text, read_toml_text
 
 __all__ = [
     "ENGLISH",
     "FOLDER",
+    "QUOTES",
+    "Keys",
     "Language",
     "TextTable",
     "Texts",
@@ -26,10 +29,12 @@ __all__ = [
     "is_complete",
     "language_name",
     "languages",
+    "own_texts",
     "placeholders",
     "texts",
     "texts_of",
     "untranslated",
+    "with_values",
 ]
 
 ENGLISH = "en"
@@ -38,9 +43,12 @@ FOLDER = Path(__file__).parent / "languages"
 Language = str | PathLike[str]
 # A text, or several in order.
 Entry = str | tuple[str, ...]
+# The keys to a value of a file; a number is a place in a list of tables.
+Keys = tuple[str | int, ...]
 # A placeholder, the sign @ itself, or an @ that is neither.
 _MARK = re.compile(r"@(?:\{([a-z][a-z0-9_]*)\}|(@))?")
-_QUOTES = "Put a text with backslashes between ''' and '''."
+QUOTES = "Put a text with backslashes between ''' and '''."
+_LATEX = "Correct the formula; the page knows the commands of LaTeX and amsmath."
 _FORM = "Write a placeholder as @{name}, with small letters, digits and _, and the sign @ as @@."
 
 
@@ -76,13 +84,13 @@ class Texts:
         """
         entry = self._entry(key, str)
         self._check(key, placeholders(entry), values)
-        return _filled(entry, values)
+        return with_values(entry, values)
 
     def all(self, key: str, /, **values: object) -> tuple[str, ...]:
         """The texts of a list, such as the hints; each value belongs to at least one of them."""
         entry = self._entry(key, tuple)
         self._check(key, placeholders(*entry), values)
-        return tuple(_filled(text, values) for text in entry)
+        return tuple(with_values(text, values) for text in entry)
 
     def table(self, key: str = "") -> dict[str, str]:
         """The texts of a table by their names, such as the options of a choice, in order."""
@@ -185,8 +193,44 @@ def texts_of(content: str, name: str, heading: str) -> Texts:
     >>> text("title", size=3)
     'A cell of size 3'
     """
-    file = read_toml_text(content, name, advice=_QUOTES)
-    return Texts(Path(name).stem, heading, ENGLISH, True, file, _headings(file)[heading])
+    return own_texts(read_toml_text(content, name, advice=QUOTES), heading)
+
+
+def own_texts(file: TomlFile, heading: str, table: Mapping[str, object] | None = None) -> Texts:
+    """The texts below a heading of a file of one's own; by default all that is below it.
+
+    Raises
+    ------
+    FileFormatError
+        There is no such heading, a value is not a text, or a formula is not LaTeX; the message
+        names the line.
+
+    Examples
+    --------
+    >>> file = read_toml_text("[cell]\\nsize = 2\\ntitle = 'A cell'", "cell.toml")
+    >>> own_texts(file, "cell", {"title": "A cell"})("title")
+    'A cell'
+    """
+    if table is None:
+        table = file.data.get(heading)
+    if not isinstance(table, Mapping):
+        file.fail((heading,), f"expected a table [{heading}], got {_kind(table)}.")
+    entries: dict[str, Entry] = {}
+    for path, value in _leaves((heading,), table):
+        entries[".".join(map(str, path[1:]))] = _entry(file, path, value)
+    return Texts(Path(file.name).stem, heading, ENGLISH, True, file, entries)
+
+
+def _leaves(path: Keys, value: object) -> Iterator[tuple[Keys, object]]:
+    """The values of a table and of the tables and lists of tables in it, with their keys."""
+    if isinstance(value, Mapping):
+        for key, inner in value.items():
+            yield from _leaves((*path, key), inner)
+    elif isinstance(value, list) and value and all(isinstance(inner, Mapping) for inner in value):
+        for place, inner in enumerate(value):
+            yield from _leaves((*path, place), inner)
+    else:
+        yield path, value
 
 
 def languages() -> tuple[str, ...]:
@@ -303,7 +347,14 @@ def placeholders(*entries: str) -> set[str]:
     return {match[1] for text in entries for match in _MARK.finditer(text) if match[1]}
 
 
-def _filled(text: str, values: Mapping[str, object]) -> str:
+def with_values(text: str, values: Mapping[str, object]) -> str:
+    """A text with a value for each of its placeholders.
+
+    Examples
+    --------
+    >>> with_values("r^(2*@{n})", {"n": 3})
+    'r^(2*3)'
+    """
     return _MARK.sub(lambda match: str(values[match[1]]) if match[1] else "@", text)
 
 
@@ -334,7 +385,7 @@ def _read(name: str, language: str) -> tuple[TomlFile, Mapping[str, Mapping[str,
 
 
 def _toml(path: Path) -> TomlFile:
-    return read_toml_text(read_text(path), f"{path.parent.name}/{path.name}", advice=_QUOTES)
+    return read_toml_text(read_text(path), f"{path.parent.name}/{path.name}", advice=QUOTES)
 
 
 def _headings(file: TomlFile) -> dict[str, dict[str, Entry]]:
@@ -359,17 +410,23 @@ def _entries(
             yield ".".join((*path[1:], key)), _entry(file, (*path, key), value)
 
 
-def _entry(file: TomlFile, path: tuple[str, ...], value: object) -> Entry:
+def _entry(file: TomlFile, path: Keys, value: object) -> Entry:
     """A text or a list of texts, each with its lines joined."""
     several: list[Any] = value if isinstance(value, list) else [value]
+    name = ".".join(map(str, path))
     for text in several:
         if not isinstance(text, str) or not text.strip():
-            name = ".".join(path)
             file.fail(path, f"{name}: expected a text or a list of texts, got {_kind(value)}.")
         for match in _MARK.finditer(text):
             if match[0] == "@":
                 start = text[match.start() : match.start() + 20]
-                file.fail(path, f"{'.'.join(path)}: expected a placeholder, got {start!r}. {_FORM}")
+                file.fail(path, f"{name}: expected a placeholder, got {start!r}. {_FORM}")
+        # A placeholder counts as letters in braces, because a command may precede it.
+        letters = {mark: f"{{{mark.replace('_', '')}}}" for mark in placeholders(text)}
+        if wrong := fault(with_values(text, letters)):
+            for mark, word in letters.items():
+                wrong = wrong.replace(word, f"@{{{mark}}}")
+            file.fail(path, f"{name}: expected LaTeX between dollar signs, but {wrong}. {_LATEX}")
     joined = tuple(_joined(text) for text in several)
     return joined if isinstance(value, list) else joined[0]
 

@@ -149,6 +149,33 @@ def test_bundles_without_coordinates_and_with_constant_velocities():
     assert lines["x"][0].tolist() == pytest.approx([0.5, np.nan], nan_ok=True)
 
 
+PLANE = gt.Frame("x y", [[1, 0], [0, 1]], name="plane")
+KINKS = [
+    ("3 - abs(x)", [-1, 0], [1, 1], 4.0),
+    ("3 - abs(x)", [-1, 0], [-1, 1], 2.0),
+    ("3 - 2*max(abs(x), abs(y))", [0, 0], [1, -3], 0.5),
+    ("min(3 - x, 2 - y)", [-1, 0], [1, 3], 2 / 3),
+    (2 - sp.Abs(sp.Symbol("x")), [0, 0], [-1, 0], 2.0),
+]
+
+
+@pytest.mark.parametrize(("stop", "start", "velocity", "end"), KINKS)
+def test_a_condition_with_a_kink_ends_where_its_smaller_side_does(stop, start, velocity, end):
+    """On a line the side that is reached first, under the name that the user gave."""
+    line = gt.geodesic(PLANE, start, velocity, stop=stop)
+    solution = gt.solve(line, 30.0)
+    assert solution.times[-1] == pytest.approx(end, rel=1e-9)
+    assert solution.stopped_by == str(stop)
+
+
+def test_a_map_of_ends_counts_both_sides_of_a_kink_as_one():
+    """Lines to the left and to the right leave a strip by one condition, one goes along it."""
+    line = gt.geodesic(PLANE, [0, 0], [1, 1], stop=["3 - abs(x)", "5 - y"])
+    ends = gt.end_map(line, {"x'": [-1.0, 0.0, 1.0], "y'": [1.0]}, 10.0)
+    assert ends.conditions == ("3 - abs(x)", "5 - y")
+    assert ends.fate.tolist() == [[0, 1, 0]]
+
+
 @pytest.mark.parametrize(
     ("stop", "error", "words"),
     [

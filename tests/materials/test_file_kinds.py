@@ -179,3 +179,19 @@ def test_rounding_is_not_a_jump(u, nodes):
     x, y = np.meshgrid(axis, axis, indexing="ij")
     field = gt.SampledFrame.from_displacement([axis, axis], u(x, y))
     assert field.source == "a displacement; jumps: none"
+
+
+@pytest.mark.parametrize(
+    ("name", "content", "words"),
+    [
+        ("d.csv", "x,y,u,v\n0,0,1,2\n", "a table of columns. Read a field by SampledFrame.read"),
+        ("d.txt", "x\ty\n-1.5\t2\n", "a table of columns"),
+        ("a.xyz", "1\ncopper\nCu 0 0 0\n", "an XYZ file of atoms. Read it by crystals.read"),
+        ("m.ctf", "Channel Text File\n", "OrientationMap.read"),
+    ],
+)
+def test_a_reader_of_tetrads_names_the_one_of_data(tmp_path: Path, name, content, words):
+    """`gt.read` takes tetrad files, and names the reader of measured data."""
+    (tmp_path / name).write_text(content)
+    with pytest.raises(FileFormatError, match=words):
+        gt.read(tmp_path / name)

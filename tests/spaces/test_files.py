@@ -272,7 +272,7 @@ def test_files_that_cannot_be_read(tmp_path):
     with pytest.raises(FileFormatError, match="cannot be read"):
         read_file(tmp_path)
     binary = tmp_path / "binary.toml"
-    binary.write_bytes(b"\xff\xfe\x00")
+    binary.write_bytes(b"\xff\xff\x00")
     with pytest.raises(FileFormatError, match="expected UTF-8 text"):
         read_file(binary)
 

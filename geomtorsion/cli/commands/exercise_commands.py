@@ -14,7 +14,16 @@ from typing import Annotated, Any
 import typer
 
 from geomtorsion.cli.exits import ExitCode
-from geomtorsion.cli.options import Language, Number, Seed, argument, directory, option, say_written
+from geomtorsion.cli.options import (
+    ChapterFolder,
+    Language,
+    Number,
+    Seed,
+    argument,
+    directory,
+    option,
+    say_written,
+)
 from geomtorsion.cli.terminal import shows_greek, working, wrapped
 from geomtorsion.cli.values import parts
 from geomtorsion.errors import FileFormatError
@@ -32,7 +41,12 @@ from geomtorsion.teaching.exercises.verdict import TITLES, Verdict
 from geomtorsion.teaching.texts import ENGLISH, language_name, texts
 
 
-def show(number: Number, seed: Seed = 0, language: Language = ENGLISH) -> None:
+def show(
+    number: Number,
+    seed: Seed = 0,
+    language: Language = ENGLISH,
+    chapter: ChapterFolder = None,
+) -> None:
     """Show the text and the questions of an exercise.
 
     \b
@@ -40,8 +54,9 @@ def show(number: Number, seed: Seed = 0, language: Language = ENGLISH) -> None:
       geomtorsion exercises show 3.2
       geomtorsion exercises show 3.2 --seed 7
       geomtorsion exercises show 1.1 --language de
+      geomtorsion exercises show 8.1 --chapter my_chapter
     """
-    exercise = load(number, seed, language)
+    exercise = load(number, seed, language, chapter)
     typer.echo(typer.style(f"{exercise.number}  {exercise.title}", bold=True))
     typer.echo(f"{exercise.chapter}; {exercise.level_name}; seed {exercise.seed}\n")
     _say_note(exercise)
@@ -70,9 +85,9 @@ def _say_note(exercise: Exercise) -> None:
 def _again(exercise: Exercise) -> str:
     """Options that choose this exercise in another command."""
     seed = f" --seed {exercise.seed}" if exercise.seed else ""
-    return seed + (
-        f" --language {quote(exercise.language)}" if exercise.language != ENGLISH else ""
-    )
+    language = f" --language {quote(exercise.language)}" if exercise.language != ENGLISH else ""
+    chapter = f" --chapter {quote(exercise.folder)}" if exercise.folder else ""
+    return seed + language + chapter
 
 
 def hint(
@@ -80,6 +95,7 @@ def hint(
     seed: Seed = 0,
     step: Annotated[int, typer.Option(metavar="K", min=1, help="Show hints up to this one.")] = 1,
     language: Language = ENGLISH,
+    chapter: ChapterFolder = None,
 ) -> None:
     """Give hints, one step at a time.
 
@@ -88,7 +104,7 @@ def hint(
       geomtorsion exercises hint 3.2
       geomtorsion exercises hint 3.2 --step 2
     """
-    exercise = load(number, seed, language)
+    exercise = load(number, seed, language, chapter)
     _say_note(exercise)
     for place, text in enumerate(exercise.hints[:step], 1):
         typer.echo(wrapped(f"{place}. {text_of(text)}"))
@@ -98,7 +114,12 @@ def hint(
         typer.echo(f"Next: `geomtorsion exercises hint {number}{again} --step {step + 1}`.")
 
 
-def solution(number: Number, seed: Seed = 0, language: Language = ENGLISH) -> None:
+def solution(
+    number: Number,
+    seed: Seed = 0,
+    language: Language = ENGLISH,
+    chapter: ChapterFolder = None,
+) -> None:
     """Solve an exercise step by step, for the teacher.
 
     \b
@@ -106,7 +127,7 @@ def solution(number: Number, seed: Seed = 0, language: Language = ENGLISH) -> No
       geomtorsion exercises solution 3.2
       geomtorsion exercises solution 3.2 --seed 7
     """
-    exercise = load(number, seed, language)
+    exercise = load(number, seed, language, chapter)
     typer.echo(typer.style(f"{exercise.number}  {exercise.title}, seed {seed}", bold=True))
     if exercise.note:
         typer.echo(wrapped(exercise.note))
@@ -139,6 +160,7 @@ def check(
         float, typer.Option(metavar="S", min=0.1, help="Longest time for the check.")
     ] = 20.0,
     language: Language = ENGLISH,
+    chapter: ChapterFolder = None,
 ) -> None:
     """Check answers, and name the likely mistake; ends with 1 if one is wrong.
 
@@ -147,6 +169,7 @@ def check(
       geomtorsion exercises check 3.2 "cos(phi2)/sin(phi2)"
       geomtorsion exercises check 3.3 "ricci=[[1/R^2, 0], [0, sin(r/R)^2]]" "scalar=2/R^2"
       geomtorsion exercises check 3.2 --file answers.toml
+      geomtorsion exercises check 8.1 "2*pi/3" --chapter my_chapter
     """
     if (file is None) == (not answers):
         raise FileFormatError(
@@ -155,21 +178,22 @@ def check(
         )
     if file is not None:
         submission: object
-        submission, own = _from_file(number, file)
+        submission, own = _from_file(number, file, chapter)
         seed = own if seed is None else seed
     else:
-        submission = _from_words([q.name for q in load(number, seed or 0).questions], answers or [])
+        questions = load(number, seed or 0, chapter=chapter).questions
+        submission = _from_words([q.name for q in questions], answers or [])
     with Examiner(seconds) as examiner:
-        verdict = examiner.check(number, submission, seed or 0, language)
+        verdict = examiner.check(number, submission, seed or 0, language, chapter)
     _say(verdict, TITLES.of(language_name(language)))
     if not verdict.right:
         raise typer.Exit(ExitCode.failed)
 
 
-def _from_file(number: str, file: Path) -> tuple[object, int]:
+def _from_file(number: str, file: Path, chapter: Path | None) -> tuple[object, int]:
     """The answers to one exercise in a file, and its seed; 0 if it has none."""
     data = loaded(file)
-    read = read_submission(file)
+    read = read_submission(file, chapter)
     if number in read.answers:
         answers = read.answers[number]
     elif "answers" not in data:
@@ -228,10 +252,11 @@ def _say(verdict: Verdict, titles: Mapping[str, str]) -> None:
 
 
 def sheet(
-    chapter: Annotated[str, argument("CHAPTER", "1 to 7, or all.")],
+    number: Annotated[str, argument("CHAPTER", "1 to 7, the number of your own, or all.")],
     output: Annotated[Path, directory("Directory of the files, created if missing.")],
     seed: Annotated[int, typer.Option(metavar="N", help="Number of the variant.")] = 0,
     language: Language = ENGLISH,
+    chapter: ChapterFolder = None,
 ) -> None:
     """Write a chapter for students, and its solutions for the teacher.
 
@@ -243,11 +268,12 @@ def sheet(
       geomtorsion exercises sheet 2 -o sheets
       geomtorsion exercises sheet all -o sheets --seed 7
       geomtorsion exercises sheet 1 -o sheets --language de
+      geomtorsion exercises sheet 8 -o sheets --chapter my_chapter
     """
-    numbers = list(chapters(language)) if chapter == "all" else [chapter]
+    numbers = list(chapters(language, chapter)) if number == "all" else [number]
     with working("exercises") as progress:
-        for number in numbers:
-            say_written(write_sheet(number, output, seed, progress, language))
+        for one in numbers:
+            say_written(write_sheet(one, output, seed, progress, language, chapter))
 
 
 class Format(StrEnum):
@@ -262,13 +288,15 @@ def export(
     to: Annotated[Format, option("--to", metavar="FORMAT", text="The system, as listed above.")],
     output: Annotated[Path, directory("Directory of the files, created if missing.")],
     only: Annotated[
-        str | None, option(metavar="NUMBER,...", text="These exercises; default: all.")
+        str | None,
+        option(metavar="NUMBER,...", text="These exercises; default: all, or all of --chapter."),
     ] = None,
     seeds: Annotated[
         str | None,
         option(metavar="N,...", text="Variants; default: 0,1,2 for moodle, 0 for nbgrader."),
     ] = None,
     language: Language = ENGLISH,
+    chapter: ChapterFolder = None,
 ) -> None:
     """Write exercises for Moodle (STACK) or nbgrader.
 
@@ -294,6 +322,7 @@ def export(
             variants,
             progress,
             language,
+            chapter,
         )
     count = len(done.files)
     typer.echo(f"wrote {'1 file' if count == 1 else f'{count} files'} to {output}")
@@ -328,6 +357,7 @@ def grade(
         float,
         typer.Option(metavar="S", min=0.1, help="Longest time for the answers to one exercise."),
     ] = 10.0,
+    chapter: ChapterFolder = None,
 ) -> None:
     """Grade a folder of answers.
 
@@ -353,7 +383,13 @@ def grade(
                 show(done / total, f"{done} of {total} {name or 'graded'}")
 
         marks = grading.grade(
-            folder, output, numbers, seed=seed, seconds=seconds, progress=progress
+            folder,
+            output,
+            numbers,
+            seed=seed,
+            seconds=seconds,
+            progress=progress,
+            chapter=chapter,
         )
     # A long reason is cut here; the table contains the full text.
     for row in marks.rows:

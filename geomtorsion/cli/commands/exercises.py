@@ -7,10 +7,10 @@ from typing import ClassVar
 import typer
 
 from geomtorsion.cli.lazy import SETTINGS, LazyGroup
-from geomtorsion.cli.options import Language
+from geomtorsion.cli.options import ChapterFolder, Language
 from geomtorsion.errors import ArgumentError
 from geomtorsion.teaching.exercises.exercise import LEVELS
-from geomtorsion.teaching.exercises.registry import EXERCISES, chapters, titles
+from geomtorsion.teaching.exercises.registry import chapters, levels_of, titles
 from geomtorsion.teaching.texts import ENGLISH, language_name
 
 
@@ -39,7 +39,9 @@ exercises = typer.Typer(
 
 
 @exercises.callback()
-def overview(context: typer.Context, language: Language = ENGLISH) -> None:
+def overview(
+    context: typer.Context, language: Language = ENGLISH, chapter: ChapterFolder = None
+) -> None:
     """List, show, check and grade exercises.
 
     Without a command, all exercises are listed by chapter. Answers are checked exactly, and the
@@ -49,6 +51,7 @@ def overview(context: typer.Context, language: Language = ENGLISH) -> None:
     Examples:
       geomtorsion exercises
       geomtorsion exercises --language de
+      geomtorsion exercises --chapter my_chapter
       geomtorsion exercises show 3.2 --seed 7
       geomtorsion exercises check 3.2 "cos(phi2)/sin(phi2)"
       geomtorsion exercises export --to moodle -o moodle
@@ -60,12 +63,18 @@ def overview(context: typer.Context, language: Language = ENGLISH) -> None:
                 f"--language: expected it behind the command, got it before it. Write `geomtorsion "
                 f"exercises {context.invoked_subcommand} ... --language {language}`."
             )
+        if chapter is not None:
+            raise ArgumentError(
+                f"--chapter: expected it behind the command, got it before it. Write `geomtorsion "
+                f"exercises {context.invoked_subcommand} ... --chapter {chapter}`."
+            )
         return
-    named, levels = titles(language), LEVELS.of(language_name(language))
-    for chapter, title in chapters(language).items():
-        typer.echo(typer.style(f"{chapter}  {title}", bold=True))
-        for number, _, level in EXERCISES:
-            if number.startswith(f"{chapter}."):
+    named, levels = titles(language, chapter), LEVELS.of(language_name(language))
+    level_of = levels_of(chapter)
+    for group, title in chapters(language, chapter).items():
+        typer.echo(typer.style(f"{group}  {title}", bold=True))
+        for number, level in level_of.items():
+            if number.startswith(f"{group}."):
                 mark = "" if level == "exercise" else f"  ({levels[level]})"
                 typer.echo(f"  {number}  {named[number]}{mark}")
     typer.echo("\n`geomtorsion exercises show 1.1` shows one of them.")

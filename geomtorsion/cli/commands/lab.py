@@ -9,12 +9,13 @@ from typing import Annotated
 
 import typer
 
-from geomtorsion.cli.options import Language, option
+from geomtorsion.cli.options import ChapterFolder, Language, option
 from geomtorsion.cli.terminal import shows_greek, working
 from geomtorsion.errors import UnknownNameError
 from geomtorsion.support import checks
+from geomtorsion.teaching.lab.address import Address
 from geomtorsion.teaching.lab.export import write_pages
-from geomtorsion.teaching.lab.server import Address, serve
+from geomtorsion.teaching.lab.server import serve
 from geomtorsion.teaching.texts import ENGLISH, languages
 
 
@@ -51,6 +52,7 @@ def lab(
         Path | None, option(metavar="DIR", text="Write pages that need no server, and exit.")
     ] = None,
     language: Language = ENGLISH,
+    chapter: ChapterFolder = None,
 ) -> None:
     """Play with tetrads, loops, curves, tops and exercises in a browser.
 
@@ -64,10 +66,11 @@ def lab(
       geomtorsion lab --host 0.0.0.0 --sessions 40
       geomtorsion lab --export pages
       geomtorsion lab --language de
+      geomtorsion lab --chapter my_chapter
     """
     if export is not None:
         with working("lab") as progress:
-            written = write_pages(export, progress, language)
+            written = write_pages(export, progress, language, chapter)
         typer.echo(f"wrote {len(written)} pages; open {written[0]} first")
         return
 
@@ -85,4 +88,4 @@ def lab(
     # Until Ctrl-C.
     # The address of a page names its language: a folder stays on the teacher's machine.
     chosen = checks.choice(language, languages(), "language", UnknownNameError)
-    serve(Address(host, port, token), ready, sessions, chosen)
+    serve(Address(host, port, token), ready, sessions, chosen, chapter)

@@ -26,8 +26,13 @@ def star(
         ),
     ],
     units: Annotated[
-        str, typer.Option(metavar="NAME", help="Units of a file: geometric, cgs, si or mev.")
-    ] = "geometric",
+        str | None,
+        typer.Option(
+            metavar="NAME",
+            help="Units of all numbers: geometric, cgs, si or mev; by default geometric for a "
+            "file, cgs for published matter.",
+        ),
+    ] = None,
     interpolation: Annotated[
         str, typer.Option(metavar="NAME", help="Between the rows of a file: monotone or cubic.")
     ] = "monotone",

@@ -12,6 +12,7 @@ import sympy as sp
 from geomtorsion.errors import EndpointError, GravityError, StartError, TimeError
 from geomtorsion.gravity.motion.shots import Aim, Leg, Shooter, conditions_of
 from geomtorsion.gravity.motion.solving import checked_theory
+from geomtorsion.gravity.reduced.beginning import Start
 from geomtorsion.gravity.reduced.reduction import Reduction
 from geomtorsion.gravity.reduced.starts import numbers_of
 from geomtorsion.gravity.theory.field_equations import FieldEquations
@@ -157,7 +158,6 @@ def shoot(
     legs = [
         Leg(
             one,
-            near or {},
             {**outputs, **(conditional if one is reductions[-1] else {})},
             tuple(events) if one is reductions[0] else (),
             # As in `log_map`, solutions are better than the hits.
@@ -168,22 +168,19 @@ def shoot(
     ]
     guesses = numbers_of({x: {**numbers, **start}[x] for x in names}, names, "free")
     shooter = Shooter(
-        tuple(legs),
-        start,
-        numbers,
-        origin,
-        tuple(demands),
-        names,
-        tuple(guesses.values()),
-        tuple(abs(x) or sp.Integer(1) for x in guesses.values()),
-        accuracy,
+        legs=tuple(legs),
+        start=Start(start, numbers, near or {}, origin),
+        conditions=tuple(demands),
+        free=names,
+        centres=tuple(guesses.values()),
+        units=tuple(abs(x) or sp.Integer(1) for x in guesses.values()),
+        accuracy=accuracy,
     )
     # A start that does not fit the equations is an error of its own.
     for name in numbers:
         constants = [x for one in reductions for x in one.constants]
         checks.known_name(name, constants, "parameters", GravityError)
-    own = {name: x for name, x in numbers.items() if name in reductions[0].constants}
-    place, _ = reductions[0].begin(start, own, near=near, origin=origin)
+    place, _ = legs[0].read(shooter.start).first
     times = checks.array(last, "last", TimeError)
     end = float(times.ravel()[-1])
     if end == float(place):

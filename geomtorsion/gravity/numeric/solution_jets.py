@@ -51,8 +51,9 @@ class Jet:
 
     @property
     def is_empty(self) -> bool:
-        """Whether no equation depends on any field."""
-        return not any(one.slope is not None and one.slope.any() for one in self._values)
+        """Whether no equation depends on any field, except by rounding."""
+        slopes = [one.slope for one in self._values if one.slope is not None]
+        return not any((np.abs(slope) > EPS).any() for slope in slopes)
 
     def _rows(self, order: int) -> np.ndarray:
         """Places of the coefficients of an equation that truncation leaves right."""

@@ -36,10 +36,13 @@ class Centre:
     """Regular solutions of equations about a point.
 
     jets, eliminated: the equations; place: the value of the variable at the point.
+    names: conditions that give a function's argument a name.
     """
 
-    def __init__(self, jets: Jets, eliminated: Eliminated, place: sp.Expr) -> None:
-        self.jets, self.place = jets, place
+    def __init__(
+        self, jets: Jets, eliminated: Eliminated, place: sp.Expr, names: Sequence[str] = ()
+    ) -> None:
+        self.jets, self.place, self._names = jets, place, names
         self._functions = tuple(eliminated.rules)
         self._nonzero = eliminated.nonzero
         self._equations = tuple(self._series_of(eliminated))
@@ -63,11 +66,12 @@ class Centre:
                 equations.append(self.jets.field.read(sp.fraction(equation.sympy)[0]))
         poles = [one for one in equations if self._has_pole(one)]
         if poles:
+            names = list(self._names) or [f"S({self.jets.variable}) = R"]
             raise GravityError(
                 f"start: expected equations that are power series at {self.jets.variable} = "
                 f"{self.place}, got a function with a pole in {checks.cut(str(poles[0]))}. Name "
-                "its argument by a condition with a new function, such as conditions=["
-                f"'S({self.jets.variable}) = R'], or start beside this point."
+                f"its argument: reduce({str(self.jets.variable)!r}, conditions={names}), or start "
+                "beside this point."
             )
         return equations
 

@@ -11,6 +11,7 @@ import numpy as np
 import sympy as sp
 
 from geomtorsion.errors import ArgumentError, GravityError
+from geomtorsion.gravity.reduced.beginning import Start
 from geomtorsion.gravity.stars.first_order import MOMENT, RADIAL, SIZE, SLOPE, SPIN, TIDE
 from geomtorsion.gravity.stars.first_order import love_number as love_number_of
 from geomtorsion.gravity.stars.structure import SURFACE, Structure
@@ -143,7 +144,8 @@ def star(
     density, pressure
         energy density or pressure at the centre, one of them, in the units of the matter.
     start, parameters, near
-        as for `solve`, at the centre, for field equations; by default A = 1 and B near 1.
+        as for `solve`, at the centre, for field equations; by default A = 1 and B near 1. An
+        invariant inside of a function, as T in exp(c*T), is a function S(r), by default near 0.
     accuracy
         of the solution.
 
@@ -190,8 +192,10 @@ def star_of(
     """The star with a value of eta at its centre."""
     names = structure.reduction.states
     first = {"A": 1} if start is None and "A" in names else dict(start or {})
-    rough = {"B": 1} if near is None and "B" in names else dict(near or {})
-    problem, depth = structure.ode(sp.Rational(eta), first, dict(parameters or {}), rough)
+    # Invariants inside of functions, which vanish in flat space.
+    usual = {x: 1 if x == "B" else 0 for x in names if x == "B" or x.startswith("S")}
+    rough = usual if near is None else dict(near)
+    problem, depth = structure.ode(sp.Rational(eta), Start(first, parameters or {}, rough))
     solution = solve_ode(problem, float(depth), accuracy)
     if not solution.complete:
         raise GravityError(

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
+from dataclasses import replace
 from itertools import pairwise
 from os import PathLike
 
@@ -54,7 +55,7 @@ _CORES = {
 def equation_of_state(
     source: str | PathLike[str] | Sequence[Sequence[float]] | EquationOfState,
     *,
-    units: str = "geometric",
+    units: str | None = None,
     interpolation: str = "monotone",
 ) -> EquationOfState:
     """Equation of state of a table, or of published neutron matter by its name.
@@ -72,7 +73,8 @@ def equation_of_state(
         shape (m, 2). Or the name of matter of Read et al. (2009): SLy, APR4, WFF1, ENG, MPA1, MS1
         or H4.
     units
-        As for `polytropes`; published matter has cgs.
+        Of the numbers that are read and given, as for `polytropes`; by default "geometric" for a
+        table, and "cgs" for published matter.
     interpolation
         "monotone" or "cubic": how the logarithm of the density follows the one of the pressure
         where the enthalpy is integrated.
@@ -91,10 +93,13 @@ def equation_of_state(
     >>> equation_of_state("SLy")
     SLy: 7 pieces
     """
+    if units is not None:
+        units_of(units)
     if isinstance(source, EquationOfState):
-        return source
+        return source if units is None else replace(source, units=units)
     if isinstance(source, str) and source in _CORES:
-        return _published(source)
+        return replace(_published(source), units=units or "cgs")
+    units = units or "geometric"
     if isinstance(source, str | PathLike):
         path = checks.file_name(source)
         if isinstance(source, str) and "." not in path.name and not path.exists():

@@ -7,6 +7,7 @@ from dataclasses import dataclass, replace
 from typing import Any, cast
 
 import sympy as sp
+from sympy.core.function import AppliedUndef
 
 from geomtorsion.errors import GravityError
 from geomtorsion.exact import Element, Truncated, TruncatedField
@@ -671,7 +672,17 @@ class FieldEquations:
     def _sources(self) -> Sources:
         parts = self.E, self.M, self.connection_equations, self.matter_equations
         matter = (*self._fields, *self._fluids)
-        return Sources(self.connections, matter, self.momenta[0].fields, self.scalars, *parts)
+        fields, scalars = self.momenta[0].fields, self.scalars
+        return Sources(self.connections, matter, fields, scalars, *parts, self.inner)
+
+    @cached_property
+    def inner(self) -> tuple[str, ...]:
+        """Invariants inside of functions of the Lagrangian with values, as T in exp(c*T)."""
+        expression = self._named.expression
+        functions = expression.atoms(sp.Function) - expression.atoms(AppliedUndef)
+        functions |= {x for x in expression.atoms(sp.Pow) if not x.exp.is_Integer}
+        inner = {symbol for one in functions for symbol in one.free_symbols}
+        return tuple(name for symbol, name in self._named.symbols.items() if symbol in inner)
 
     # -- identities ----------------------------------------------------------------------------
 

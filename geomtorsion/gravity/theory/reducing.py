@@ -14,7 +14,7 @@ from geomtorsion.gravity.reduced.branches import Search
 from geomtorsion.gravity.reduced.elimination import Eliminated, Elimination, Residual
 from geomtorsion.gravity.reduced.jets import Jets
 from geomtorsion.gravity.reduced.reduction import Reduction
-from geomtorsion.gravity.theory.residuals import Sources, conditions_of
+from geomtorsion.gravity.theory.residuals import Sources, conditions_of, names_of_inner
 from geomtorsion.support import checks
 
 
@@ -23,7 +23,8 @@ def reduced(sources: Sources, variable: object, conditions: object) -> Reduction
     frame = sources.frame
     coordinates = {one.name: one for one in frame.coordinates}
     order = (sources.connection, sources.fluid, sources.field, sources.coframe)
-    residuals = list(sources.residuals(conditions_of(conditions)))
+    more = conditions_of(conditions)
+    residuals = list(sources.residuals(more))
     elements = [element for element, _ in residuals]
     functions = unknown_functions(elements)
     if variable is None:
@@ -51,13 +52,15 @@ def reduced(sources: Sources, variable: object, conditions: object) -> Reduction
     sorts = [x.intersection(functions) for x in kinds]
     below = [jets.read(_denominator(element)) for element in elements]
     search = Search(partial(Elimination, jets, functions, *sorts, below), tuple(pool))
+    names = () if more else names_of_inner(sources.inner, symbol.name)
     try:
         first = search.first()
     except LimitError as limit:
+        advice = f"Name the argument of a function: conditions={list(names)}. " if names else ""
         raise LimitError(
-            f"reduce: the elimination of derivatives is too large ({checks.cut(str(limit))}). Give "
-            "numbers for constants, use fewer unknown functions, or write the theory with a scalar "
-            "field."
+            f"reduce: the elimination of derivatives is too large ({checks.cut(str(limit))}). "
+            f"{advice}Give numbers for constants, use fewer unknown functions, or write the theory "
+            "with a scalar field."
         ) from None
     except RecursionError:
         raise GravityError(
@@ -65,7 +68,7 @@ def reduced(sources: Sources, variable: object, conditions: object) -> Reduction
             "that refer to each other in a circle. Omit a condition, or add one."
         ) from None
     _check_determined(sources, jets, functions, first.eliminated)
-    return Reduction(jets, first, search, frame)
+    return Reduction(jets, first, search, frame, names)
 
 
 def _check_functions(functions: Sequence[AppliedUndef], variable: sp.Symbol) -> None:

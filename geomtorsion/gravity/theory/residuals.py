@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -22,6 +22,11 @@ from geomtorsion.gravity.theory.matter import MatterField
 from geomtorsion.support import checks
 
 
+def names_of_inner(inner: Sequence[str], variable: str) -> tuple[str, ...]:
+    """Conditions that name invariants inside of functions, such as S(r) = T for exp(T)."""
+    return tuple(f"S{k or ''}({variable}) = {name}" for k, name in enumerate(inner))
+
+
 @dataclass(frozen=True, eq=False)
 class Sources:
     """Field equations with the unknown functions of each of their parts.
@@ -30,6 +35,7 @@ class Sources:
     fields: torsion and curvature of the first connection.
     scalars: values of invariants, which a condition may name.
     coframe_equation, metric_equation, connection_equations, matter_equations: E, M, C and others.
+    inner: names of invariants inside of functions in the Lagrangian.
     """
 
     connections: tuple[Connection, ...]
@@ -40,6 +46,7 @@ class Sources:
     metric_equation: Tensor
     connection_equations: tuple[Tensor, ...]
     matter_equations: Mapping[str, Tensor]
+    inner: tuple[str, ...] = ()
 
     @property
     def frame(self) -> Frame:

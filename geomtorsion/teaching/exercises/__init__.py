@@ -2,6 +2,7 @@
 
 from typing import TYPE_CHECKING
 
+from geomtorsion.teaching.exercises.chapter_folder import Chapter, load_folder
 from geomtorsion.teaching.exercises.exercise import Exercise
 from geomtorsion.teaching.exercises.exports import export
 from geomtorsion.teaching.exercises.question import Question
@@ -10,6 +11,7 @@ from geomtorsion.teaching.exercises.verdict import QuestionVerdict, Verdict
 
 __all__ = [
     "CHAPTERS",
+    "Chapter",
     "Exercise",
     "Question",
     "QuestionVerdict",
@@ -18,6 +20,7 @@ __all__ = [
     "check",
     "export",
     "load",
+    "load_folder",
     "names",
     "titles",
 ]

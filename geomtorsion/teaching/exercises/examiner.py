@@ -5,7 +5,8 @@ from __future__ import annotations
 from collections.abc import Mapping
 from types import TracebackType
 
-from geomtorsion.teaching.exercises.registry import load
+from geomtorsion.teaching.exercises.exercise import Exercise
+from geomtorsion.teaching.exercises.registry import Own, load
 from geomtorsion.teaching.exercises.verdict import QuestionVerdict, Verdict
 from geomtorsion.teaching.exercises.worker_pool import EXCEEDED, STARTING, Json, WorkerPool
 from geomtorsion.teaching.texts import ENGLISH, Language
@@ -44,7 +45,12 @@ class Examiner:
         self.pool.close()
 
     def check(
-        self, number: str, answers: object, seed: int = 0, language: Language = ENGLISH
+        self,
+        number: str,
+        answers: object,
+        seed: int = 0,
+        language: Language = ENGLISH,
+        chapter: Own = None,
     ) -> Verdict:
         """The verdict on the answers to an exercise, within the time; see `Exercise.check`.
 
@@ -53,24 +59,25 @@ class Examiner:
         UnknownNameError
             There is no such exercise, seed or language.
         """
-        exercise = load(number, seed, language)
+        exercise = load(number, seed, language, chapter)
         by_question, _ = exercise.arranged(answers)
         request = {"number": number, "seed": seed, "language": exercise.language}
+        if exercise.folder:
+            request["chapter"] = exercise.folder
         try:
             # The time for the library's own solution is not charged to the student; the process
             # keeps the solution, so that only the first student waits for it.
             self.pool.ask(request, STARTING)
         except (TimeoutError, ChildProcessError):
             return _unchecked(
-                number,
-                seed,
+                exercise,
                 by_question,
                 "computing the solution took too long or too much memory. This does not depend on "
                 "your answer. Try again later.",
             )
         answer = self.ask(request | {"answers": answers}, self.seconds)
         if isinstance(answer, str):
-            return _unchecked(number, seed, by_question, f"{answer}. Write a shorter answer.")
+            return _unchecked(exercise, by_question, f"{answer}. Write a shorter answer.")
         return Verdict.from_json(answer["verdict"])
 
     def ask(self, request: Json, seconds: float) -> Json | str:
@@ -84,21 +91,22 @@ class Examiner:
         return f"it needed too much {answer[EXCEEDED]}" if EXCEEDED in answer else answer
 
 
-def _unchecked(number: str, seed: int, answers: Mapping[str, object], reason: str) -> Verdict:
+def _unchecked(exercise: Exercise, answers: Mapping[str, object], reason: str) -> Verdict:
     """The verdict on answers that could not be checked."""
     verdicts = []
-    for question in load(number, seed).questions:
+    for question in exercise.questions:
         is_answered = question.name in answers
         text = f"The answer could not be checked: {reason}"
         code = "too large" if is_answered else "empty"
         note = text if is_answered else "No answer was given."
         verdicts.append(QuestionVerdict(question.name, False, 0.0, note, code, (), question.points))
-    return Verdict(number, seed, tuple(verdicts))
+    return Verdict(exercise.number, exercise.seed, tuple(verdicts))
 
 
 def reply(request: Json) -> Json:
     """The reply of the process: a verdict, or a note that the solution is now available."""
-    exercise = load(request["number"], request["seed"], request.get("language", ENGLISH))
+    language, chapter = request.get("language", ENGLISH), request.get("chapter")
+    exercise = load(request["number"], request["seed"], language, chapter)
     if "answers" not in request:
         _ = exercise.solution()
         return {"prepared": True}

@@ -46,7 +46,7 @@ class Exercise:
     project. seed: the variant; 0 is the variant of the paper. variant: its content. loader:
     creates the exercise from number, seed and language, which determine it completely; copies use
     it. language: of the texts, as requested. note: that the text is English, if it is not
-    translated into this language.
+    translated into this language. folder: of the chapter of a teacher; "" for a shipped exercise.
 
     Examples
     --------
@@ -65,6 +65,7 @@ class Exercise:
     loader: Callable[[str, int, str], Exercise]
     language: str = ENGLISH
     note: str = ""
+    folder: str = ""
 
     def __repr__(self) -> str:
         names = ", ".join(question.name for question in self.questions)

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import csv
 import hashlib
 import json
 import os
@@ -14,12 +13,14 @@ from typing import Any
 
 from geomtorsion.errors import ArgumentError, FileFormatError, GeomtorsionError
 from geomtorsion.support import checks
-from geomtorsion.support.files import read_json_text, read_text, read_toml, written
+from geomtorsion.support.files import read_toml
 from geomtorsion.support.outgoing import csv_cell
+from geomtorsion.teaching.exercises.chapter_folder import Chapter, load_folder
 from geomtorsion.teaching.exercises.examiner import SECONDS, Examiner
 from geomtorsion.teaching.exercises.examiner import reply as checked
 from geomtorsion.teaching.exercises.limits import MOST
-from geomtorsion.teaching.exercises.registry import load, names
+from geomtorsion.teaching.exercises.mark_table import rows_of, write
+from geomtorsion.teaching.exercises.registry import Own, load, names
 from geomtorsion.teaching.exercises.worker_pool import Json
 
 # Keys of a file.
@@ -43,8 +44,8 @@ class Submission:
     outside: tuple[str, ...] = ()
 
 
-def read_submission(path: str | PathLike[str]) -> Submission:
-    """Read a file of answers.
+def read_submission(path: str | PathLike[str], chapter: Own = None) -> Submission:
+    """Read a file of answers. chapter: the folder of a teacher's chapter.
 
     Keys
     ----
@@ -91,7 +92,7 @@ def read_submission(path: str | PathLike[str]) -> Submission:
             'and below it "1.1" = "...".'
         )
     flat = _flat(table)
-    listed = set(names())
+    listed = set(names(chapter))
     unknown = tuple(key[:60] for key in flat if key not in listed)
     answers = {key: value for key, value in flat.items() if key in listed}
     outside = tuple(key[:60] for key in _flat(data) if key not in KEYS)
@@ -118,13 +119,8 @@ def _flat(table: Mapping[str, object]) -> dict[str, object]:
 
 
 GRADED, PARTLY, TWICE, REFUSED = "graded", "partly", "given twice", "not graded"
-HEAD = (
-    "file", "student", "seed", "earned", "at_most", "points", "percent", "percent_at_most",
-    "answered", "unread", "counted", "status",
-)  # fmt: skip
 # Exercises that count by default: those that occur in any file.
 ASKED_FOR, OCCURRING = "as requested", "all that any student answered"
-TAIL = ("diagnoses", "remarks", "fingerprint")
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -232,6 +228,7 @@ def grade(
     seed: int | None = None,
     seconds: float = SECONDS,
     progress: Callable[[int, int, str], object] = lambda *_: None,
+    chapter: Own = None,
 ) -> Marks:
     """Grade every TOML file of a folder; write the table after each.
 
@@ -248,6 +245,8 @@ def grade(
         time limit for the answers to one exercise.
     progress
         is called with (files done, files in all, file).
+    chapter
+        the folder of a teacher's chapter, whose exercises are graded as well; see `load_folder`.
 
     Returns
     -------
@@ -275,10 +274,12 @@ def grade(
             "numbers: expected at least one exercise that counts, got none. Name one, or omit "
             "numbers: then all exercises with an answer from any student count."
         )
+    # Opened once: the same content for every student.
+    own = None if chapter is None else load_folder(chapter)
     for number in listed or ():
-        load(number)
+        load(number, chapter=own)
     with Examiner(seconds, f"{__name__}:reply") as examiner:
-        return _graded(files, Path(output), listed, seed, examiner, progress)
+        return _graded(files, Path(output), listed, seed, examiner, progress, own)
 
 
 def _graded(
@@ -288,14 +289,15 @@ def _graded(
     seed: int | None,
     examiner: Examiner,
     progress: Callable[[int, int, str], object],
+    chapter: Chapter | None,
 ) -> Marks:
     """The marks of files that an examiner reads and checks; see `grade`."""
-    read = {path: _read(path, examiner) for path in files}
-    exercises = _occurring(read.values()) if numbers is None else numbers
+    read = {path: _read(path, examiner, chapter) for path in files}
+    exercises = _occurring(read.values(), chapter) if numbers is None else numbers
     chosen = ASKED_FOR if numbers is not None else OCCURRING
     counted = f"{' '.join(exercises) or 'none'} ({chosen})"
-    task = _Task(exercises, seed, counted, _namesakes(read), examiner.seconds)
-    before = _rows_of(table, exercises)
+    task = _Task(exercises, seed, counted, _namesakes(read), examiner.seconds, chapter)
+    before = rows_of(table, exercises)
     rows: list[Mapping[str, str]] = []
     kept = 0
     try:
@@ -308,12 +310,12 @@ def _graded(
             rows.append(mark)
             # Written after each student, so that an interruption costs at most one.
             if old is None:
-                _write(table, rows, exercises, chosen)
+                write(table, rows, exercises, chosen)
     finally:
         # Rows of an earlier run that this run has not reached stay in the table.
         later = [task.fingerprint(path) for path in files[len(rows) :]]
         rest = [before[key] for key in later if key in before]
-        _write(table, [*rows, *rest], exercises, chosen)
+        write(table, [*rows, *rest], exercises, chosen)
     progress(len(files), len(files), "")
     return Marks(tuple(rows), exercises, kept, chosen)
 
@@ -323,6 +325,7 @@ class _Task:
     """The task: the exercises, the requested seed, their texts in the table, and duplicates.
 
     namesakes: file -> other files of the same student. seconds: for the answers to one exercise.
+    chapter: of the teacher, besides the shipped ones.
     """
 
     numbers: tuple[str, ...]
@@ -330,6 +333,7 @@ class _Task:
     counted: str
     namesakes: Mapping[Path, tuple[str, ...]]
     seconds: float
+    chapter: Chapter | None
 
     def fingerprint(self, path: Path) -> str:
         """Hash of the file, the task and its time limit."""
@@ -340,6 +344,8 @@ class _Task:
             content = b""
         others = ",".join(self.namesakes.get(path, ()))
         task = f"{path.name}|{self.counted}|{self.seed}|{others}|{self.seconds}|"
+        # Marks of an earlier text of the chapter are not reused.
+        task += self.chapter.digest if self.chapter else ""
         return hashlib.sha256(task.encode("utf-8", "surrogateescape") + content).hexdigest()[:16]
 
 
@@ -357,12 +363,13 @@ def _namesakes(read: Mapping[Path, Submission | str]) -> dict[Path, tuple[str, .
     }
 
 
-def _read(path: Path, examiner: Examiner) -> Submission | str:
+def _read(path: Path, examiner: Examiner, chapter: Chapter | None) -> Submission | str:
     """The answers in a file, or the reason why it cannot be read, from the examiner's process.
 
     A file that takes too much time or memory costs only its own student marks.
     """
-    data = examiner.ask({"path": str(path)}, SECONDS)
+    own = {"chapter": chapter.folder} if chapter else {}
+    data = examiner.ask({"path": str(path)} | own, SECONDS)
     if isinstance(data, str):
         return f"{path.name} could not be read: {data}. Write the file again."
     if "refused" in data:
@@ -375,13 +382,15 @@ def _read(path: Path, examiner: Examiner) -> Submission | str:
 
 def reply(request: Json) -> Json:
     """Reply of the examiner's process: the content of a file, or the result of a check."""
-    return submission_data(request["path"]) if "path" in request else checked(request)
+    if "path" not in request:
+        return checked(request)
+    return submission_data(request["path"], request.get("chapter"))
 
 
-def submission_data(path: str) -> Json:
+def submission_data(path: str, chapter: Own = None) -> Json:
     """The answers in a file as JSON, or the reason for refusing it under "refused"."""
     try:
-        submission = read_submission(path)
+        submission = read_submission(path, chapter)
     except GeomtorsionError as error:
         return {"refused": str(error)}
     # A date that was written without quotes is not an answer, but can be shown.
@@ -389,17 +398,17 @@ def submission_data(path: str) -> Json:
     return {**vars(submission), "answers": answers}
 
 
-def _occurring(read: Iterable[Submission | str]) -> tuple[str, ...]:
+def _occurring(read: Iterable[Submission | str], chapter: Own) -> tuple[str, ...]:
     """The exercises that occur in any file, in order."""
     keys = {number for one in read if isinstance(one, Submission) for number in one.answers}
-    return tuple(number for number in names() if number in keys)
+    return tuple(number for number in names(chapter) if number in keys)
 
 
 def _mark(
     path: Path, read: Submission | str, task: _Task, examiner: Examiner, fingerprint: str
 ) -> Mark:
     """The marks of one file."""
-    worth = sum(q.points for n in task.numbers for q in load(n).questions)
+    worth = sum(q.points for n in task.numbers for q in load(n, chapter=task.chapter).questions)
     refused = Mark(
         file=path.name, student=path.stem, seed=0, earned=0.0, at_most=worth, points=worth,
         status=REFUSED, counted=task.counted, fingerprint=fingerprint,
@@ -415,14 +424,14 @@ def _mark(
     remarks = [f"no exercise {key!r}: it is not counted." for key in read.unknown]
     remarks += [f"{key!r} is outside of [answers]: it is not read." for key in read.outside]
     # A key that concerns the file only, such as a date, needs nobody's attention.
-    unseen = bool(read.unknown) or any(key in names() for key in read.outside)
+    unseen = bool(read.unknown) or any(key in names(task.chapter) for key in read.outside)
     answered = asked = unread = 0
     most = 0.0
     for number in task.numbers:
-        asked += len(load(number, seed).questions)
+        asked += len(load(number, seed, chapter=task.chapter).questions)
         if number not in read.answers:
             continue
-        verdict = examiner.check(number, read.answers[number], seed)
+        verdict = examiner.check(number, read.answers[number], seed, chapter=task.chapter)
         parts[number] = round(verdict.earned, 3)
         codes_of = [(q.name, q.diagnosis) for q in verdict.questions]
         answered += sum(code != "empty" for _, code in codes_of)
@@ -443,58 +452,3 @@ def _mark(
         at_most=round(most, 3), status=status, answered=f"{answered} of {asked}",
         unread=unread, parts=parts, diagnoses="; ".join(codes), remarks=" ".join(remarks),
     )  # fmt: skip
-
-
-def _rows_of(table: Path, numbers: Sequence[str]) -> dict[str, Mapping[str, str]]:
-    """Fingerprint -> row of a table that an earlier run wrote; nothing if it is another table."""
-    if not table.exists():
-        return {}
-    head = [*HEAD, *numbers, *TAIL]
-    try:
-        if table.suffix == ".json":
-            data = read_json_text(read_text(table), table.name)
-            entries = data["rows"] if isinstance(data, dict) else []
-            rows = [{str(key): _as_text(key, x) for key, x in row.items()} for row in entries]
-        else:
-            with table.open(encoding="utf-8-sig", newline="") as file:
-                rows = list(csv.DictReader(file))
-    except (OSError, UnicodeDecodeError, csv.Error, GeomtorsionError, KeyError, TypeError,
-            AttributeError):  # fmt: skip
-        return {}
-    return {row["fingerprint"]: row for row in rows if list(row) == head and row["fingerprint"]}
-
-
-def _as_values(row: Mapping[str, str], numbers: Sequence[str]) -> dict[str, object]:
-    """A row with its numbers as numbers."""
-    floats = ("earned", "at_most", "percent", "percent_at_most", *numbers)
-    kinds = dict.fromkeys(floats, float) | dict.fromkeys(("seed", "points", "unread"), int)
-    return {key: kinds.get(key, str)(text) for key, text in row.items()}
-
-
-def _as_text(key: str, value: object) -> str:
-    """A value of a row in the form of the table."""
-    if isinstance(value, float):
-        return f"{value:.1f}" if key.startswith("percent") else f"{value:g}"
-    return str(value)
-
-
-def _write(
-    table: Path, rows: Sequence[Mapping[str, str]], numbers: Sequence[str], chosen: str
-) -> None:
-    """Write the table to a temporary file and rename it: it is never half a table."""
-    with (
-        written(table.parent, is_folder=True),
-        written(table) as aside,
-        aside.open("w", encoding="utf-8", newline="") as file,
-    ):
-        if table.suffix == ".json":
-            whole = {
-                "counted": list(numbers),
-                "chosen": chosen,
-                "rows": [_as_values(row, numbers) for row in rows],
-            }
-            json.dump(whole, file, indent=1, ensure_ascii=False)
-        else:
-            writer = csv.DictWriter(file, [*HEAD, *numbers, *TAIL], lineterminator="\n")
-            writer.writeheader()
-            writer.writerows(rows)

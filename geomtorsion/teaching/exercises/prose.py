@@ -6,15 +6,15 @@ import re
 from collections.abc import Callable
 from dataclasses import dataclass
 from html import escape
+from itertools import zip_longest
 from xml.etree import ElementTree
 
-from geomtorsion.pictures.formula import FUNCTIONS, converted, mathml
+from geomtorsion.pictures.formula import FORMULA, FUNCTIONS, converted, mathml
 
 _MARKS = {"˙": "\u0307", "¨": "\u0308", "¯": "\u0304", "^": "\u0302", "~": "\u0303"}
 _SPACED = "=+-∧×≤≥≠→≈<>"
 _BINDING = ("letter", "number", "word", "scripts", "accent", "root", "fence")
 _MARKED = {"˙": "dot", "¨": "ddot", "¯": "mean", "^": "hat", "~": "tilde"}
-_FORMULA = re.compile(r"\$\$(.+?)\$\$|\$(.+?)\$", re.DOTALL)
 _CODE = re.compile(r"`([^`]+)`")
 _BOLD = re.compile(r"\*\*(.+?)\*\*", re.DOTALL)
 # Signs that LaTeX reserves outside of formulas -> how they are written there.
@@ -118,7 +118,7 @@ def _with_formulas(
     pieces, place = [], 0
     # Bold marks may enclose a formula: they are handled with placeholders for the formulas.
     formulas: list[str] = []
-    for match in _FORMULA.finditer(text):
+    for match in FORMULA.finditer(text):
         pieces.append(text[place : match.start()])
         formulas.append(formula(match))
         pieces.append(f"\0{len(formulas) - 1}\0")
@@ -159,7 +159,10 @@ def lines_of(latex: str) -> list[str]:
     after = _row(Node("row", parts=parts[place + 1 :]))
     before += " " * bool(before)
     cells = [[_written(cell) for cell in row.parts] for row in parts[place].parts]
-    widths = [max(map(len, column)) for column in zip(*cells, strict=True)]
+    # LaTeX lets a row end early.
+    columns = list(zip_longest(*cells, fillvalue=""))
+    cells = [list(row) for row in zip(*columns, strict=True)]
+    widths = [max(map(len, column)) for column in columns]
     rows = ["  ".join(x.ljust(w) for x, w in zip(row, widths, strict=True)) for row in cells]
     last, middle = len(rows) - 1, len(rows) // 2
     lines = []

@@ -1,4 +1,4 @@
-"""registry: the list of chapters and exercises, and their lazy loading."""
+"""registry: chapters and exercises by number, loaded on first use."""
 
 from __future__ import annotations
 
@@ -10,77 +10,36 @@ from typing import TYPE_CHECKING
 
 from geomtorsion.errors import UnknownNameError
 from geomtorsion.support.checks import close_names, count, shown
+from geomtorsion.teaching.exercises.chapter_folder import Chapter, Folder, load_folder
 from geomtorsion.teaching.exercises.draw import Draw
 from geomtorsion.teaching.exercises.exercise import Exercise
 from geomtorsion.teaching.exercises.limits import MOST
+from geomtorsion.teaching.exercises.shipped import CHAPTERS, EXERCISES
 from geomtorsion.teaching.texts import ENGLISH, Language, Texts, language_name, texts
 
 if TYPE_CHECKING:
     from geomtorsion.teaching.exercises.verdict import Verdict
 
-# number, package of its exercises and file of their texts
-_CHAPTERS: tuple[tuple[str, str], ...] = (
-    ("1", "frames"),
-    ("2", "torsion"),
-    ("3", "curvature"),
-    ("4", "straightest"),
-    ("5", "closure"),
-    ("6", "principle"),
-    ("7", "cost"),
-)
-# number, module of this package, level
-EXERCISES: tuple[tuple[str, str, str], ...] = (
-    ("1.1", "frames.legs", "warm-up"),
-    ("1.2", "frames.metric", "exercise"),
-    ("1.3", "frames.anholonomy", "exercise"),
-    ("1.4", "frames.body_rates", "exercise"),
-    ("2.1", "torsion.one_coefficient", "warm-up"),
-    ("2.2", "torsion.cartan_connection", "exercise"),
-    ("2.3", "torsion.in_coordinates", "exercise"),
-    ("2.4", "torsion.in_the_frame", "exercise"),
-    ("3.1", "curvature.flat_or_not", "warm-up"),
-    ("3.2", "curvature.christoffel", "warm-up"),
-    ("3.3", "curvature.surface", "exercise"),
-    ("3.4", "curvature.group_ricci", "exercise"),
-    ("3.5", "curvature.disguise", "exercise"),
-    ("4.1", "straightest.spiral", "warm-up"),
-    ("4.2", "straightest.force", "exercise"),
-    ("4.3", "straightest.equations", "exercise"),
-    ("4.4", "straightest.compass", "exercise"),
-    ("4.5", "straightest.constraint", "exercise"),
-    ("5.1", "closure.small_loop", "warm-up"),
-    ("5.2", "closure.circle", "exercise"),
-    ("5.3", "closure.rotations", "exercise"),
-    ("5.4", "closure.dislocation", "exercise"),
-    ("5.5", "closure.frank", "exercise"),
-    ("5.6", "closure.screw_atoms", "exercise"),
-    ("5.7", "closure.half_plane", "warm-up"),
-    ("6.1", "principle.euler", "warm-up"),
-    ("6.2", "principle.moment", "exercise"),
-    ("6.3", "principle.variation", "exercise"),
-    ("6.4", "principle.symmetric_top", "exercise"),
-    ("6.5", "principle.carried", "exercise"),
-    ("6.6", "principle.helix_or_line", "project"),
-    ("7.1", "cost.digits", "warm-up"),
-    ("7.2", "cost.sums", "exercise"),
-    ("7.3", "cost.growth", "exercise"),
-    ("7.4", "cost.states", "warm-up"),
-)
+# The chapter of a teacher, besides the shipped ones.
+Own = Chapter | Folder | None
 
 
-def names() -> tuple[str, ...]:
-    """Numbers of all exercises, in order; loads none of them.
+def names(chapter: Own = None) -> tuple[str, ...]:
+    """Numbers of all exercises, in order; loads none of the shipped ones.
+
+    chapter: the folder of a teacher's chapter, whose exercises come last; see `load_folder`.
 
     Examples
     --------
     >>> names()[0]
     '1.1'
     """
-    return tuple(number for number, _, _ in EXERCISES)
+    own = () if chapter is None else load_folder(chapter).names
+    return (*(number for number, _, _ in EXERCISES), *own)
 
 
-def titles(language: Language = ENGLISH) -> dict[str, str]:
-    """Number -> title; loads none of the exercises.
+def titles(language: Language = ENGLISH, chapter: Own = None) -> dict[str, str]:
+    """Number -> title; loads none of the shipped exercises. chapter: as in `names`.
 
     Examples
     --------
@@ -88,11 +47,18 @@ def titles(language: Language = ENGLISH) -> dict[str, str]:
     ('The legs of a coframe', 'Die Beine eines Korahmens')
     """
     language = language_name(language)
-    return {number: _texts(module, language)("title") for number, module, _ in EXERCISES}
+    own = {} if chapter is None else load_folder(chapter).titles
+    return {number: _texts(module, language)("title") for number, module, _ in EXERCISES} | own
 
 
-def chapters(language: Language = ENGLISH) -> dict[str, str]:
-    """Number -> subject of each chapter.
+def levels_of(chapter: Own = None) -> dict[str, str]:
+    """Number -> level of all exercises. chapter: as in `names`."""
+    own = {} if chapter is None else load_folder(chapter).levels
+    return {number: level for number, _, level in EXERCISES} | own
+
+
+def chapters(language: Language = ENGLISH, chapter: Own = None) -> dict[str, str]:
+    """Number -> subject of each chapter. chapter: as in `names`.
 
     Examples
     --------
@@ -100,12 +66,13 @@ def chapters(language: Language = ENGLISH) -> dict[str, str]:
     'Frames and anholonomy'
     """
     language = language_name(language)
-    return {number: texts(name, "", language)("title") for number, name in _CHAPTERS}
+    own = {} if chapter is None else {(last := load_folder(chapter)).number: last.title}
+    return {number: texts(name, "", language)("title") for number, name in CHAPTERS} | own
 
 
 def chapter_of(number: str, language: Language = ENGLISH) -> str:
     """Title of the chapter of an exercise."""
-    return texts(dict(_CHAPTERS)[number.partition(".")[0]], "", language_name(language))("title")
+    return texts(dict(CHAPTERS)[number.partition(".")[0]], "", language_name(language))("title")
 
 
 def _texts(module: str, language: str) -> Texts:
@@ -114,7 +81,7 @@ def _texts(module: str, language: str) -> Texts:
     return texts(name, heading, language)
 
 
-def load(number: str, seed: int = 0, language: Language = ENGLISH) -> Exercise:
+def load(number: str, seed: int = 0, language: Language = ENGLISH, chapter: Own = None) -> Exercise:
     """An exercise in the variant of a seed; nothing is solved before an answer is checked.
 
     Parameters
@@ -126,11 +93,16 @@ def load(number: str, seed: int = 0, language: Language = ENGLISH) -> Exercise:
     language
         "en", "de", or a folder with translated texts; an exercise that it lacks is in English, and
         its `note` reports this.
+    chapter
+        the folder of a teacher's chapter, whose exercises are then known as well; see
+        `load_folder`.
 
     Raises
     ------
     UnknownNameError
         There is no such exercise, seed or language; the message lists the known ones.
+    FileFormatError
+        The folder has a mistake; the message names the file and the line.
 
     Examples
     --------
@@ -143,16 +115,19 @@ def load(number: str, seed: int = 0, language: Language = ENGLISH) -> Exercise:
     for key, module, level in EXERCISES:
         if key == number:
             return _loaded(key, module, level, seed, language_name(language))
+    known = names(chapter)
+    if chapter is not None and number in known:
+        return load_folder(chapter).load(number, seed, language)
     if not isinstance(number, str):
-        example = str(number) if str(number) in names() else names()[0]
+        example = str(number) if str(number) in known else known[0]
         raise UnknownNameError(
             f"expected the number of an exercise as text, got {shown(number)}. Write it in quotes: "
             f'"{example}".'
         )
-    near = close_names(number[:20], names(), 3, 0.6)
+    near = close_names(number[:20], known, 3, 0.6)
     hint = f" Did you mean {' or '.join(near)}?" if near else ""
     raise UnknownNameError(
-        f"expected the number of an exercise, from {names()[0]} to {names()[-1]}, got "
+        f"expected the number of an exercise, from {known[0]} to {known[-1]}, got "
         f"{number[:20]!r}.{hint} `geomtorsion exercises` lists all exercises."
     )
 
@@ -179,7 +154,11 @@ def _loaded(number: str, module: str, level: str, seed: int, language: str = ENG
 
 
 def check(
-    number: str, answers: Mapping[str, object] | str, seed: int = 0, language: Language = ENGLISH
+    number: str,
+    answers: Mapping[str, object] | str,
+    seed: int = 0,
+    language: Language = ENGLISH,
+    chapter: Own = None,
 ) -> Verdict:
     """The verdict on the answers to an exercise; see `Exercise.check`.
 
@@ -188,4 +167,4 @@ def check(
     >>> check("1.1", "[[1, 0], [0, 1]]").right
     False
     """
-    return load(number, seed, language).check(answers)
+    return load(number, seed, language, chapter).check(answers)

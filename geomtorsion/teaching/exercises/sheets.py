@@ -21,7 +21,7 @@ from geomtorsion.teaching.exercises.exercise import Exercise
 from geomtorsion.teaching.exercises.limits import MOST
 from geomtorsion.teaching.exercises.prose import html_of, text_of
 from geomtorsion.teaching.exercises.question import Question, how_to_answer
-from geomtorsion.teaching.exercises.registry import chapters, load, names
+from geomtorsion.teaching.exercises.registry import Own, chapters, load, names
 from geomtorsion.teaching.exercises.verdict import TITLES, message_of
 from geomtorsion.teaching.exercises.worker_pool import Json
 from geomtorsion.teaching.texts import (
@@ -88,8 +88,10 @@ def load_line(exercise: Exercise) -> str:
     >>> load_line(load("1.1", 3))
     'gt.exercises.load("1.1", seed=3)'
     """
-    language = argument_of(exercise.language)
-    return f'gt.exercises.load("{exercise.number}", seed={exercise.seed}{language})'
+    more = argument_of(exercise.language)
+    # A notebook finds the folder of the chapter beside itself.
+    more += f", chapter={Path(exercise.folder).name!r}" if exercise.folder else ""
+    return f'gt.exercises.load("{exercise.number}", seed={exercise.seed}{more})'
 
 
 def comment(text: str) -> str:
@@ -131,6 +133,7 @@ def write_sheet(
     seed: int = 0,
     progress: Progress = lambda _: None,
     language: Language = ENGLISH,
+    own: Own = None,
 ) -> tuple[Path, ...]:
     """Write a chapter: page, notebook and form for students, solutions in `teacher/`.
 
@@ -146,6 +149,8 @@ def write_sheet(
         called with the name of each step before it begins.
     language
         "en", "de", or a folder with translated texts.
+    own
+        the folder of a teacher's chapter; see `load_folder`.
 
     Returns
     -------
@@ -157,7 +162,7 @@ def write_sheet(
         There is no such chapter or language.
     """
     language = language_name(language)
-    titles = chapters(language)
+    titles = chapters(language, own)
     if not isinstance(chapter, str) or chapter not in titles:
         known = ", ".join(f"{number} ({name})" for number, name in titles.items())
         raise UnknownNameError(
@@ -166,7 +171,9 @@ def write_sheet(
         )
     title = titles[chapter]
     exercises = [
-        load(number, seed, language) for number in names() if number.startswith(f"{chapter}.")
+        load(number, seed, language, own)
+        for number in names(own)
+        if number.startswith(f"{chapter}.")
     ]
     # Refused before any exercise is solved.
     with written(directory, is_folder=True) as folder:

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 
 from geomtorsion.teaching.exercises.limits import MOST
 from geomtorsion.teaching.exercises.worker_pool import Json
+from geomtorsion.teaching.lab.localized import CHAPTER
 from geomtorsion.teaching.lab.query import Query
 from geomtorsion.teaching.texts import ENGLISH, Texts, texts
 
@@ -22,6 +23,12 @@ def exercises(mo: ModuleType, listing: Json, query: Query, language: str = ENGLI
     chosen = query.one_of("exercise", list(options.values()), next(iter(options.values()), None))
     first = next((title for title, number in options.items() if number == chosen), None)
     return mo.ui.dropdown(options, value=first, label=_text(language)("exercise"))
+
+
+def chapter(mo: ModuleType) -> str | None:
+    """The folder of the teacher's chapter, which the server names with each session."""
+    request = mo.app_meta().request
+    return request.meta.get(CHAPTER) if request is not None else None
 
 
 def seed(mo: ModuleType, query: Query, language: str = ENGLISH) -> ui.number:

@@ -13,6 +13,22 @@ Scope = MutableMapping[str, Any]
 Receive = Callable[[], Awaitable[MutableMapping[str, Any]]]
 Send = Callable[[MutableMapping[str, Any]], Awaitable[None]]
 App = Callable[[Scope, Receive, Send], Awaitable[None]]
+# The entry of a request that the page reads.
+CHAPTER = "chapter"
+
+
+def with_chapter(app: App, folder: str) -> App:
+    """An ASGI application whose requests name the folder of a teacher's chapter.
+
+    Only the server names it: nothing in an address or a message of a browser chooses a folder.
+    """
+    if not folder:
+        return app
+
+    async def answered(scope: Scope, receive: Receive, send: Send) -> None:
+        await app({**scope, "meta": {CHAPTER: folder}}, receive, send)
+
+    return answered
 
 
 def localized(app: App, language: str) -> App:

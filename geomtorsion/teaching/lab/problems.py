@@ -43,26 +43,28 @@ def how(question: Question) -> str:
     return text("names", form=form, names=names) if names else text("no_names", form=form)
 
 
-def listing(language: str = ENGLISH) -> Json:
-    """All exercises by chapter; loads none of them.
+def listing(language: str = ENGLISH, chapter: str | None = None) -> Json:
+    """All exercises by chapter. chapter: the folder of a teacher's chapter, which comes last.
 
     Examples
     --------
     >>> list(listing()["chapters"])[0]
     '1. Frames and anholonomy'
     """
-    titles = exercises.titles(language)
+    titles = exercises.titles(language, chapter)
     return {
         "chapters": {
             f"{number}. {title}": {
                 name: what for name, what in titles.items() if name.partition(".")[0] == number
             }
-            for number, title in exercises.chapters(language).items()
+            for number, title in exercises.chapters(language, chapter).items()
         }
     }
 
 
-def statement(number: str, seed: int = 0, language: str = ENGLISH) -> Json:
+def statement(
+    number: str, seed: int = 0, language: str = ENGLISH, chapter: str | None = None
+) -> Json:
     """An exercise without its solution; statement and prompts as HTML, formulas as MathML.
 
     Examples
@@ -71,7 +73,7 @@ def statement(number: str, seed: int = 0, language: str = ENGLISH) -> Json:
     >>> found["title"], [question["name"] for question in found["questions"]], found["hints"]
     ('The legs of a coframe', ['legs'], 3)
     """
-    exercise = exercises.load(number, seed, language)
+    exercise = exercises.load(number, seed, language, chapter)
     asked = [question.prompt for question in exercise.questions]
     return {
         "number": exercise.number,
@@ -81,7 +83,7 @@ def statement(number: str, seed: int = 0, language: str = ENGLISH) -> Json:
         "seed": exercise.seed,
         "note": exercise.note,
         "statement": html_of(exercise.statement),
-        "copy": _copy_button([exercise.statement, *asked], "statement and questions"),
+        "copy": _copy_button([exercise.statement, *asked], "statement", language),
         "questions": [
             {
                 "name": question.name,
@@ -97,7 +99,9 @@ def statement(number: str, seed: int = 0, language: str = ENGLISH) -> Json:
     }
 
 
-def hints(number: str, seed: int, count: int, language: str = ENGLISH) -> Json:
+def hints(
+    number: str, seed: int, count: int, language: str = ENGLISH, chapter: str | None = None
+) -> Json:
     """The first hints of an exercise, as HTML.
 
     Examples
@@ -105,18 +109,32 @@ def hints(number: str, seed: int, count: int, language: str = ENGLISH) -> Json:
     >>> len(hints("1.1", 0, 2)["hints"])
     2
     """
-    taken = exercises.load(number, seed, language).hints[:count]
-    return {"hints": [html_of(hint) for hint in taken], "copy": _copy_button(taken, "hints")}
+    taken = exercises.load(number, seed, language, chapter).hints[:count]
+    return {
+        "hints": [html_of(hint) for hint in taken],
+        "copy": _copy_button(taken, "hints", language),
+    }
 
 
-def _copy_button(pieces: Sequence[str], what: str) -> str:
-    """A button that copies texts as LaTeX; empty if they contain no formula."""
+def _copy_button(pieces: Sequence[str], what: str, language: str) -> str:
+    """A button that copies texts as LaTeX; empty if they contain no formula.
+
+    what: the name of a question, or the key of a label.
+    """
     if not any("$" in text for text in pieces):
         return ""
-    return views.copy_button("\n\n".join(map(latex_of, pieces)), what)
+    text = texts("figures", "figure", language)
+    name = text(what) if what in ("statement", "hints") else what
+    return views.copy_button("\n\n".join(map(latex_of, pieces)), name, language)
 
 
-def answer(number: str, seed: int, answers: Mapping[str, str], language: str = ENGLISH) -> Json:
+def answer(
+    number: str,
+    seed: int,
+    answers: Mapping[str, str],
+    language: str = ENGLISH,
+    chapter: str | None = None,
+) -> Json:
     """The verdict on answers, question by question, as HTML; an empty answer is skipped.
 
     Raises
@@ -138,7 +156,7 @@ def answer(number: str, seed: int, answers: Mapping[str, str], language: str = E
                 f"{name}: expected an answer of at most {PAGE.answer:,} characters, got "
                 f"{len(text):,}. Shorten it: {PAGE.answer:,} are enough for every exercise."
             )
-    verdict = exercises.load(number, seed, language).check(typed)
+    verdict = exercises.load(number, seed, language, chapter).check(typed)
     states = TextTable("feedback", "states", language)
     return {
         "right": verdict.right,
@@ -153,7 +171,7 @@ def answer(number: str, seed: int, answers: Mapping[str, str], language: str = E
                 "read_as": one.read_as,
                 "score": one.score,
                 "message": html_of(one.message),
-                "copy": _copy_button([one.message], one.name),
+                "copy": _copy_button([one.message], one.name, language),
                 "diagnosis": one.diagnosis,
             }
             for one in verdict.questions

@@ -3,21 +3,21 @@
 from __future__ import annotations
 
 import asyncio
-import ipaddress
-import secrets
 import socket
 from collections import Counter
 from collections.abc import Awaitable, Callable, Iterable, Mapping, MutableMapping
 from contextlib import suppress
-from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 from urllib.parse import SplitResult, urlsplit
 
 from geomtorsion.errors import LimitError, MissingExtraError
 from geomtorsion.pictures.formula import font_face
+from geomtorsion.teaching.exercises.chapter_folder import load_folder
+from geomtorsion.teaching.exercises.registry import Own
 from geomtorsion.teaching.exercises.worker_pool import Json
-from geomtorsion.teaching.lab.localized import App, Receive, Scope, Send, localized
+from geomtorsion.teaching.lab.address import Address
+from geomtorsion.teaching.lab.localized import App, Receive, Scope, Send, localized, with_chapter
 from geomtorsion.teaching.lab.notebook_path import without_path
 from geomtorsion.teaching.lab.settings import PAGE
 from geomtorsion.teaching.lab.tasks import common_runner
@@ -32,8 +32,6 @@ POLICY = (
     "object-src 'none'; base-uri 'self'; form-action 'self'"
 )
 LOOPBACK = ("127.0.0.1", "localhost", "::1")
-# Letters of a code that a class types from a projector; none resembles another.
-LETTERS = "abcdefghjkmnpqrstuvwxyz23456789"
 # Route for values of controls; a file is also such a value, so its requests may be longer.
 CONTROL = "/api/kernel/set_ui_element_value"
 # (method, path) -> its use by the page. The server refuses every other route of marimo. A
@@ -342,66 +340,15 @@ FIRST: tuple[tuple[str, Json], ...] = (
 )
 
 
-@dataclass(frozen=True)
-class Address:
-    """Where the page is served.
-
-    host: name or number of an interface; port: 0 takes a free one.
-    token: required from a browser; generated unless the host is this machine.
-    """
-
-    host: str = "127.0.0.1"
-    port: int = 2718
-    token: str = field(default="", repr=False)
-
-    @property
-    def is_local(self) -> bool:
-        """Whether only this machine can reach it.
-
-        Examples
-        --------
-        >>> Address("localhost").is_local, Address("0.0.0.0").is_local
-        (True, False)
-        """
-        try:
-            return ipaddress.ip_address(self.host).is_loopback
-        except ValueError:
-            return self.host == "localhost"
-
-    def guarded(self) -> Address:
-        """The same address with a token, if other machines can reach it.
-
-        Examples
-        --------
-        >>> bool(Address("0.0.0.0").guarded().token), Address().guarded().token
-        (True, '')
-        """
-        if self.is_local or self.token:
-            return self
-        code = "".join(secrets.choice(LETTERS) for _ in range(PAGE.code))
-        return Address(self.host, self.port, code)
-
-    def url(self, port: int) -> str:
-        """The URL to open in a browser on any machine of the network, token included."""
-        name = lan_address() if self.host in ("0.0.0.0", "::") else self.host
-        name = f"[{name}]" if ":" in name else name
-        return f"http://{name}:{port}/" + (f"?access_token={self.token}" if self.token else "")
-
-
-def lan_address() -> str:
-    """The address of this machine on its network; its name without a network."""
-    with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as probe:
-        try:
-            # This sends nothing: the system only chooses the interface. The address is reserved for
-            # documentation.
-            probe.connect(("192.0.2.1", 9))
-            return str(probe.getsockname()[0])
-        except OSError:
-            return socket.gethostname()
-
-
-def application(address: Address, sessions: int = PAGE.sessions, language: str = ENGLISH) -> Any:
+def application(
+    address: Address,
+    sessions: int = PAGE.sessions,
+    language: str = ENGLISH,
+    chapter: str = "",
+) -> Any:
     """The page in a language as an ASGI application, behind its access control.
+
+    chapter: the folder of a teacher's chapter, or "".
 
     Raises
     ------
@@ -433,7 +380,8 @@ def application(address: Address, sessions: int = PAGE.sessions, language: str =
         for manager in managers:
             await manager.shutdown()
 
-    return AccessControl(localized(inner, language), hosts, sessions, ending, notebook=page)
+    inner = with_chapter(localized(inner, language), chapter)
+    return AccessControl(inner, hosts, sessions, ending, notebook=page)
 
 
 def serve(
@@ -441,8 +389,12 @@ def serve(
     ready: Callable[[str], object] = lambda _: None,
     sessions: int = PAGE.sessions,
     language: str = ENGLISH,
+    chapter: Own = None,
 ) -> None:
     """Serve until interrupted; `ready` is called with the address when the port is open.
+
+    chapter: the folder of a teacher's chapter, shown with the shipped ones; see
+    `exercises.load_folder`.
 
     Raises
     ------
@@ -450,15 +402,19 @@ def serve(
         The port is taken, or the host is not an address of this machine.
     MissingExtraError
         marimo is not installed.
+    FileFormatError
+        The folder of the chapter has a mistake; the message names the file and the line.
     """
     address = address.guarded()
-    app = application(address, sessions, language)
+    # Mistakes are reported to the teacher before a student opens the page.
+    folder = "" if chapter is None else load_folder(chapter).folder
+    app = application(address, sessions, language, folder)
     # uvicorn comes with marimo, and a missing marimo has already raised an error.
     import uvicorn
 
     taken = _socket(address)
     port = taken.getsockname()[1]
-    common_runner().warm(FIRST)
+    common_runner().warm([(name, {**case, "language": language}) for name, case in FIRST])
     config = uvicorn.Config(
         app,
         log_level="warning",

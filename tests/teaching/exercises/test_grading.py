@@ -135,11 +135,11 @@ def test_interrupted_grading_loses_nothing(folder, tmp_path, monkeypatch):
     checked = []
     real = Examiner.check
 
-    def counted(self, number, answers, seed=0):
+    def counted(self, number, answers, seed=0, **options):
         if len(checked) == 9:
             raise KeyboardInterrupt
         checked.append(number)
-        return real(self, number, answers, seed)
+        return real(self, number, answers, seed, **options)
 
     monkeypatch.setattr(Examiner, "check", counted)
     with pytest.raises(KeyboardInterrupt):
@@ -167,7 +167,7 @@ def test_a_second_run_that_is_interrupted_loses_nothing(folder, tmp_path, monkey
     one = min(few.glob("student*.toml"))
     one.write_text(handed_in("Changed", 0, {"3.2": {"christoffel": "0"}}), "utf-8")
 
-    def stopped(*_):
+    def stopped(*_, **options):
         raise KeyboardInterrupt
 
     monkeypatch.setattr(Examiner, "check", stopped)

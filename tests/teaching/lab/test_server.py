@@ -19,13 +19,12 @@ import pytest
 
 from geomtorsion.errors import LimitError
 from geomtorsion.teaching.lab import controls
+from geomtorsion.teaching.lab.address import LETTERS, Address
 from geomtorsion.teaching.lab.query import Query
 from geomtorsion.teaching.lab.server import (
     FIRST,
-    LETTERS,
     ROUTES,
     AccessControl,
-    Address,
     _socket,
     application,
     is_used,

@@ -79,8 +79,10 @@ def _question(exercise: Exercise, question: Question) -> Iterator[Json]:
     text = texts("sheets", "nbgrader", exercise.language)
     how = text("answer", variable=variable, how=how_to_answer(question))
     yield _text(f"asked-{key}", f"{question.prompt}\n\n*{how}*")
-    language = argument_of(exercise.language)
-    arguments = f'"{exercise.number}", answers, seed={exercise.seed}{language}'
+    more = argument_of(exercise.language)
+    # Students never see hidden tests, which run on the machine of the teacher.
+    more += f", chapter={exercise.folder!r}" if exercise.folder else ""
+    arguments = f'"{exercise.number}", answers, seed={exercise.seed}{more}'
     answer = json.dumps(answer_text(question, question.solution), ensure_ascii=False)
     yield code_cell(
         f"answer-{key}",

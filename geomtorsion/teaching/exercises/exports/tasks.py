@@ -7,10 +7,11 @@ from dataclasses import dataclass
 
 from geomtorsion.errors import ArgumentError
 from geomtorsion.support import checks
+from geomtorsion.teaching.exercises.chapter_folder import load_folder
 from geomtorsion.teaching.exercises.checking import ROUNDED
 from geomtorsion.teaching.exercises.exercise import Exercise
 from geomtorsion.teaching.exercises.question import Mistake, Question
-from geomtorsion.teaching.exercises.registry import load, names
+from geomtorsion.teaching.exercises.registry import Own, load, names
 from geomtorsion.teaching.exercises.verdict import message_of
 from geomtorsion.teaching.texts import ENGLISH, Language
 
@@ -59,9 +60,12 @@ class Task:
 
 
 def tasks(
-    numbers: Sequence[str] | None, seeds: Sequence[int], language: Language = ENGLISH
+    numbers: Sequence[str] | None,
+    seeds: Sequence[int],
+    language: Language = ENGLISH,
+    chapter: Own = None,
 ) -> tuple[Task, ...]:
-    """Exercises in their variants; all exercises by default.
+    """Exercises in their variants; by default all, or with a chapter its exercises.
 
     Raises
     ------
@@ -70,7 +74,8 @@ def tasks(
     ArgumentError
         An exercise or a seed is given twice, or none is given.
     """
-    chosen = names() if numbers is None else numbers
+    every = names() if chapter is None else load_folder(chapter).names
+    chosen = every if numbers is None else numbers
     for subject, entries in (("numbers", chosen), ("seeds", seeds)):
         values = list(checks.entries(entries, subject, ArgumentError))
         if not values or len({str(value) for value in values}) < len(values):
@@ -78,7 +83,9 @@ def tasks(
                 f"{subject}: expected at least one, and none twice, got {checks.shown(entries)}. "
                 "List each once."
             )
-    return tuple(Task(tuple(load(number, seed, language) for seed in seeds)) for number in chosen)
+    return tuple(
+        Task(tuple(load(number, seed, language, chapter) for seed in seeds)) for number in chosen
+    )
 
 
 def feedback(question: Question, mistake: Mistake) -> str:

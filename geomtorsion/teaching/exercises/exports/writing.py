@@ -14,6 +14,7 @@ from geomtorsion.support.files import write_texts
 from geomtorsion.teaching.exercises.exports.nbgrader import UNREAD, course_files
 from geomtorsion.teaching.exercises.exports.stack import stack_quiz
 from geomtorsion.teaching.exercises.exports.tasks import Task, tasks
+from geomtorsion.teaching.exercises.registry import Own
 from geomtorsion.teaching.texts import ENGLISH, Language
 
 Files = dict[str, str]
@@ -78,6 +79,7 @@ def export(
     seeds: Sequence[int] | None = None,
     progress: Progress = lambda _: None,
     language: Language = ENGLISH,
+    chapter: Own = None,
 ) -> Export:
     """Write exercises in a format that teachers' systems import.
 
@@ -88,13 +90,16 @@ def export(
     directory
         created if it is missing; files in it with the same names are replaced.
     numbers
-        of the exercises, such as ["3.1", "3.2"]; all if None.
+        of the exercises, such as ["3.1", "3.2"]; None: all, or with a chapter its exercises.
     seeds
         the variants; None: 0, 1 and 2 for stack, 0 for nbgrader.
     progress
         called with the number of each exercise before it is solved.
     language
         "en", "de", or a folder with translated texts.
+    chapter
+        the folder of a teacher's chapter; see `load_folder`. The tests of nbgrader contain
+        its path, so that autograde runs on this machine.
 
     Returns
     -------
@@ -117,7 +122,7 @@ def export(
     """
     directory = checks.file_name(directory, "directory")
     chosen = FORMATS[checks.choice(to, tuple(FORMATS), "to", ArgumentError)]
-    task_list = tasks(numbers, chosen.seeds if seeds is None else seeds, language)
+    task_list = tasks(numbers, chosen.seeds if seeds is None else seeds, language, chapter)
     for task in task_list:
         progress(task.number)
         # The exercise caches them; the files are written immediately afterwards.
