@@ -101,7 +101,7 @@ def read(
 def _rates_and_invariants(
     rates: object, invariants: Mapping[str, object] | None
 ) -> tuple[dict[str, Any], Mapping[str, object] | None]:
-    """Rates by state, and invariants; both perhaps those of an object such as equations."""
+    """Rates by state, and invariants; an object such as equations may contribute both."""
     source = rates
     if not isinstance(rates, Mapping):
         rates = getattr(source, "rates", None)

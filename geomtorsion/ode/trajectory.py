@@ -234,14 +234,9 @@ class Trajectory:
                 self._dense[k] = lambda t: np.broadcast_to(last, (len(t), len(last)))
             else:
                 again = scaled_run(
-                    self.engine,
-                    stage.system.unguarded,
-                    stage.start,
-                    stage.parameters,
-                    ends,
-                    self.tolerance,
-                    dense=True,
-                )
+                    self.engine, stage.system.unguarded, stage.start, stage.parameters, ends,
+                    self.tolerance, dense=True,
+                )  # fmt: skip
                 if again.dense is None:
                     raise StartError(without_dense(self.engine))
                 self._dense[k] = again.dense
@@ -311,10 +306,9 @@ def integrate(
                 continue
         else:
             event = stage.boundary
-            ending = _ending(event, segments[-1])
-            if event is None or ending is not None:
-                outcome, reason = ending or (run.outcome, run.reason)
-                return Trajectory(engine, tolerance, tuple(segments), outcome, reason)
+            ended = _ending(event, segments[-1])
+            if event is None or ended is not None:
+                return Trajectory(engine, tolerance, tuple(segments), *(ended or (run.outcome,)))
             # A motion that cannot continue in two stages in a row cannot continue at all. Engines
             # measure progress by the whole time, so that the same motion ends in every chart.
             moved = abs(float(run.reached) - begin) > STANDSTILL * abs(end)
@@ -335,11 +329,9 @@ def _ending(event: Event | None, segment: Segment) -> tuple[str, str] | None:
     run = segment.run
     if event is None or (run.outcome == "stuck" and event.then is None):
         return run.outcome, run.reason
-    if run.outcome != "stuck" and event.stop is not None:
-        condition = event.stop(segment.last)
-        if condition is not None:
-            return "stopped", condition
-    return None
+    stop = None if run.outcome == "stuck" else event.stop
+    condition = None if stop is None else stop(segment.last)
+    return None if condition is None else ("stopped", condition)
 
 
 def _next_break(stage: Stage, cuts: Sequence[float], sign: float, end: float) -> float | None:
