@@ -42,6 +42,11 @@ class Condition:
         return f"{self.text} = {self.value:g}"
 
 
+def condition_name(number: int) -> str:
+    """The output of a solution that is the expression of a condition, counted from 1."""
+    return f"condition_{number}"
+
+
 def conditions_of(boundary: object, outputs: Mapping[str, object]) -> list[Condition]:
     """The conditions of a mapping: expression -> value, "phi(oo)" for a value at infinity."""
     table = checks.by_name(boundary, "boundary", GravityError)
@@ -220,7 +225,7 @@ class Shooter:
         begin, end = ends_of(leg, solution)
         result = []
         for number, (condition, order) in enumerate(zip(self.conditions, orders, strict=True), 1):
-            name = f"condition_{number}"
+            name = condition_name(number)
             if order == 0 or not condition.at_infinity:
                 result.append(Limit(float(solution[name][-1]), 0, 0.0))
                 continue
@@ -243,7 +248,7 @@ class Shooter:
         """Sizes of the conditions: of their values, or of the expressions where a leg begins."""
         sizes = []
         for number, one in enumerate(self.conditions, 1):
-            size = abs(one.value) or abs(float(solutions[-1][f"condition_{number}"][0]))
+            size = abs(one.value) or abs(float(solutions[-1][condition_name(number)][0]))
             sizes.append(size if size and np.isfinite(size) else 1.0)
         return np.array(sizes)
 

@@ -62,6 +62,8 @@ class Structure:
                 f"got the coordinates {', '.join(map(str, frame.coordinates))}. Write the "
                 "frame with this radius."
             )
+        if _is_general(source):
+            return cls.of(matter[0])
         reduction = source.reduce("r", names_of_inner(source.inner, "r"))
         return cls(reduction, matter[0], _mass(frame), False)
 
@@ -134,6 +136,16 @@ def _frame() -> Frame:
     """A static metric whose spheres have the radius r."""
     legs = sp.diag(first_order.A, first_order.B, R, R * sp.sin(THETA))
     return Frame([T, R, THETA, PHI], legs, (-1, 1, 1, 1))
+
+
+def _is_general(source: FieldEquations) -> bool:
+    """Whether field equations are the ones of general relativity for the static metric here."""
+    scalars = {"levi-civita": sp.Symbol("R"), "cartan": -sp.Symbol("T")}
+    if len(source.connections) > 1 or len(source.matter) > 1:
+        return False
+    scalar = scalars.get(source.connections[0].kind)
+    own, other = (x.metric.to_sympy() for x in (source.frame, _frame()))
+    return scalar is not None and source.expression == scalar / (16 * sp.pi) and own == other
 
 
 @lru_cache(maxsize=8)
