@@ -102,7 +102,7 @@ def test_titles_of_exercises_are_distinct(language: str):
     assert len(set(named.values())) == len(named)
 
 
-def test_titles_of_spaces_are_those_of_the_library():
+def test_every_space_has_its_title():
     """The file of titles has each shipped space, with its title in the library."""
     assert texts("spaces", "titles").table() == dict(titles())
     german = drawable("de")
