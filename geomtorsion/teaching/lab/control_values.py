@@ -18,8 +18,6 @@ from geomtorsion.support.checks import shown
 # A control in the output of a cell: its name, its kind and its attributes.
 _CONTROL = re.compile(r"object-id='([^']+)'[^>]*><marimo-([a-z-]+)((?:[^>']|'[^']*')*)>")
 _ATTRIBUTE = re.compile(r"data-([a-z-]+)='([^']*)'")
-# Controls that may be empty, and controls whose value is a choice.
-_EMPTY = ("number", "radio")
 
 
 def _is_number(value: object) -> bool:
@@ -75,13 +73,17 @@ class Control:
 
     def fault(self, value: object) -> str:
         """The reason why a value does not fit; empty if it fits."""
-        if value is None and self.kind in _EMPTY:
+        if value is None and (
+            self.kind == "number" or (self.kind == "radio" and self.first is None)
+        ):
             return ""
         expected, fits = _KINDS.get(type(self.first), ("a text", lambda x: isinstance(x, str)))
         chosen: list[Any] = value if isinstance(value, list) else [value]
         if self.options is not None:
             expected = f"one of its {len(self.options)} options"
-            fits_more = all(isinstance(x, str) and x in self.options for x in chosen)
+            # An empty choice is one where nothing was chosen at first.
+            fits_more = len(chosen) == 1 or (not chosen and not self.first)
+            fits_more = fits_more and all(isinstance(x, str) and x in self.options for x in chosen)
         elif self.kind == "file":
             expected = "a list of files, each a name and a content in base 64"
             fits_more = all(map(_is_file, chosen))

@@ -78,9 +78,11 @@ class AccessControl:
         ending: Callable[[], Awaitable[None]] | None = None,
         reserve: int = PAGE.reserve,
         notebook: Path | None = None,
+        starting: Callable[[str], bool] = lambda _: False,
     ) -> None:
         self.app = app
         self.notebook = notebook
+        self.starting = starting
         self.ending = ending
         self.hosts: frozenset[str] = frozenset(hosts)
         self.sessions = sessions
@@ -239,6 +241,9 @@ class AccessControl:
             every = (session, sender, waiting)
             try:
                 await asyncio.wait(every, timeout=PAGE.opening, return_when=asyncio.FIRST_COMPLETED)
+                # A browser may go at once: the thread of its session still compiles the page.
+                with suppress(TimeoutError):
+                    await asyncio.wait_for(_passed(self.starting, name), PAGE.opening)
             except asyncio.CancelledError:
                 for task in every:
                     task.cancel()
@@ -255,6 +260,12 @@ class AccessControl:
         error = None if session.cancelled() else session.exception()
         if error is not None:
             raise error from None
+
+
+async def _passed(starting: Callable[[str], bool], name: str) -> None:
+    """Wait until the thread of a session has compiled the page."""
+    while starting(name):
+        await asyncio.sleep(PAGE.polling)
 
 
 def _session_name(scope: Scope) -> str:
@@ -414,8 +425,12 @@ def application(
         for manager in managers:
             await manager.shutdown()
 
+    def starting(name: str) -> bool:
+        found = [one for manager in managers if (one := manager.get_session(name)) is not None]
+        return any(not one.session_view.last_execution_time for one in found)
+
     inner = with_chapter(localized(inner, language), chapter)
-    return AccessControl(inner, hosts, sessions, ending, notebook=page)
+    return AccessControl(inner, hosts, sessions, ending, notebook=page, starting=starting)
 
 
 def serve(
