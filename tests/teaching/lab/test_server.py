@@ -134,7 +134,7 @@ def test_only_where_files_arrive_requests_may_be_long():
         headers = HOST | {"content-length": str(PAGE.body + 1)}
         assert ask(AccessControl(inner), headers, "POST", path)[0] == status
     parts = [bytes(PAGE.carried), b"x", b""]
-    assert ask(AccessControl(inner), HOST, "POST", USED, parts[:1])[0] == 200
+    assert ask(AccessControl(inner), HOST, "POST", USED, parts[:1])[0] == 404
     assert ask(AccessControl(inner), HOST, "POST", USED, parts)[0] == 0
 
 
