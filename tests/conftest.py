@@ -5,7 +5,9 @@ import gc
 import warnings
 from collections.abc import Iterator
 from importlib import import_module
+from itertools import filterfalse
 from typing import Any
+from zlib import crc32
 
 import flint
 import mpmath
@@ -50,13 +52,31 @@ def blocks(monkeypatch: pytest.MonkeyPatch) -> list[int]:
 
 
 def pytest_addoption(parser: pytest.Parser) -> None:
-    """--prove: prove the results of the hard cases as well, which takes some minutes."""
+    """--prove: prove the results of the hard cases as well, which takes some minutes.
+
+    --part: run one part of the tests, drawn by their names, so that N runs have run each of them.
+    """
     parser.addoption("--prove", action="store_true", help="prove the results of tests/hard")
+    parser.addoption("--part", type=part_of, default=(0, 1), metavar="K/N", help="K from 0 to N-1")
 
 
-def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
-    """Run the long tests first."""
-    items.sort(key=lambda item: not item.nodeid.startswith(LONG))
+def part_of(text: str) -> tuple[int, int]:
+    """The numbers of "3/20", part 3 of the parts 0 to 19."""
+    part, count = map(int, text.split("/"))
+    if not 0 <= part < count:
+        raise ValueError(f"expected a part from 0 to {count - 1}, got {part}")
+    return part, count
+
+
+def pytest_collection_modifyitems(config: pytest.Config, items: list[pytest.Item]) -> None:
+    """Run the long tests first, and none of other parts."""
+    part, count = config.option.part
+
+    def drawn(item: pytest.Item) -> bool:
+        return crc32(item.nodeid.encode()) % count == part
+
+    config.hook.pytest_deselected(items=list(filterfalse(drawn, items)))
+    items[:] = sorted(filter(drawn, items), key=lambda item: not item.nodeid.startswith(LONG))
 
 
 @pytest.hookimpl(optionalhook=True)

@@ -143,7 +143,7 @@ class CurveProblem(ByContent):
         """The curve as first-order equations in its home chart, with forces in pieces and tables.
 
         The states are the coordinates and the frame velocities u^i, or coordinates only if the
-        velocities are constant.
+        velocities are constant. The conditions of `stop` end it, and so do edges of the chart.
 
         events, tables: see `ODE.of`; the names of tables are functions in the forces. time: its
         name; by default the one that the forces use.
@@ -171,7 +171,9 @@ class CurveProblem(ByContent):
         equations = self.equations()
         start = dict(zip(self.coordinates, self.start, strict=True))
         speeds = dict(zip(equations.velocities, self.frame_velocity, strict=True))
-        return ode_of(equations, start, speeds, self.parameters, events, tables, time)
+        every = [*(When(stop.term) for stop in self.stops), *events]
+        edges = self.chart(self.atlas.home).edges
+        return ode_of(equations, start, speeds, self.parameters, every, tables, time, edges)
 
     def chart(self, name: str) -> Chart:
         """A chart of the atlas, with the edges of a law that has its own."""

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping
+from dataclasses import replace
 from typing import Any
 
 import sympy as sp
@@ -10,6 +11,7 @@ from sympy.core.function import AppliedUndef
 
 from geomtorsion.curves.equations import Equations
 from geomtorsion.curves.forces import TIMES
+from geomtorsion.geometry.domain_edges import Edge
 from geomtorsion.ode.constructor import table_functions
 from geomtorsion.ode.numbers import Real
 from geomtorsion.ode.pieces import FUNCTIONS
@@ -25,10 +27,11 @@ def ode_of(
     events: Iterable[At | When] = (),
     tables: Mapping[str, object] | None = None,
     time: str = "",
+    edges: Iterable[Edge] = (),
 ) -> ODE:
     """The equations of a curve as an ODE; see `CurveProblem.to_ode`.
 
-    start, speeds: coordinate or frame velocity -> its number at the start.
+    start, speeds: coordinate or frame velocity -> its number at the start. edges: of the chart.
     """
     functions = {**FUNCTIONS, **table_functions(tables, {})}
     rates = {name: _read(rate, functions) for name, rate in equations.expressions.items()}
@@ -47,17 +50,19 @@ def ode_of(
         )
         for name, products in equations.invariants.items()
     }
-    terms = [*rates.values(), *invariants.values()]
+    domain = [(_read(edge.element.sympy, functions), edge.words) for edge in edges]
+    terms = [*rates.values(), *invariants.values(), *(term for term, _ in domain)]
     used = {symbol.name for term in terms for symbol in term.free_symbols}
     listed = list(events)
     # Events may contain parameters that the equations do not.
     own = {name: x for name, x in parameters.items() if name in used or listed}
     names = {*rates, *own}
     clock = time or equations.clock or next(x for x in TIMES if x not in names)
-    return ODE.of(
+    ode = ODE.of(
         rates, {name: start[name] for name in rates},
         parameters=own, invariants=invariants, time=clock, events=listed,
     )  # fmt: skip
+    return replace(ode, rates=replace(ode.rates, domain=tuple(domain)))
 
 
 def without_values(name: str) -> str:

@@ -156,8 +156,9 @@ class Motion:
             outputs |= column.outputs()
             events = tuple(column.event(event) for event in events)
         wide = Rates(
-            expressions, tuple(parameters), rates.time, rates.stops, tuple(groups), rates.declared
-        )
+            expressions, tuple(parameters), rates.time, rates.stops, tuple(groups), rates.declared,
+            domain=rates.domain,
+        )  # fmt: skip
         fields = {"rates": wide, "start": tuple(start), "parameters": parameters}
         return {**fields, "outputs": outputs, "events": events, "varied": words}
 

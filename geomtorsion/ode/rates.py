@@ -47,6 +47,7 @@ class Rates(ByContent):
     declared: the parameters of the input, with their assumptions.
     guards: expressions that are positive up to the next change of the equations.
     is_clocked: whether the time is a state although no rate depends on it.
+    domain: quantities that are positive where the equations hold, each with its end in words.
     """
 
     expressions: Mapping[str, sp.Expr]
@@ -57,6 +58,7 @@ class Rates(ByContent):
     declared: tuple[sp.Symbol, ...] = ()
     guards: tuple[sp.Expr, ...] = ()
     is_clocked: bool = False
+    domain: tuple[tuple[sp.Expr, str], ...] = ()
 
     def __eq__(self, other: object) -> bool:
         # The order of the states is the order of the start.
@@ -123,7 +125,7 @@ class Rates(ByContent):
     def edges(self) -> Mapping[sp.Expr, str]:
         """Quantities that are positive until a function in the equations ends; its name."""
         terms = (*self.expressions.values(), *self.stops, *self.guards)
-        return edges_of(terms, {*self.states, self.time})
+        return {**dict(self.domain), **edges_of(terms, {*self.states, self.time})}
 
     def needed_by(
         self, terms: Iterable[sp.Expr], groups: Iterable[Sequence[str]] = ()

@@ -36,14 +36,14 @@ from geomtorsion.ode.moment import Moment, Term
 from geomtorsion.ode.numbers import PARTS, times_between
 from geomtorsion.ode.roots import crossings
 from geomtorsion.ode.trajectory import Segment, Stage, Trajectory, close_times
-from geomtorsion.ode.writing import pandas_table, write_solution, xarray_dataset
+from geomtorsion.ode.writing import pandas_table, plain_columns, write_solution, xarray_dataset
 from geomtorsion.support import checks
 from geomtorsion.support.caching import cached_property
 from geomtorsion.support.copies import only_fields
 from geomtorsion.support.csv_table import write_csv
 from geomtorsion.support.displays import Plot, drawn_by, figure_by, key_completions
 from geomtorsion.support.hints import attribute_hints
-from geomtorsion.support.outgoing import size_text
+from geomtorsion.support.outgoing import json_number, size_text
 from geomtorsion.support.precision import EPS, GOLDEN
 
 if TYPE_CHECKING:
@@ -727,6 +727,27 @@ class Solution:
     def to_csv(self, path: str | Path) -> None:
         """Write times and everything that has a name as a table, every digit kept."""
         write_csv(checks.file_name(path), self.problem.columns(self.moment))
+
+    def to_json(self) -> dict[str, Any]:
+        """Columns of everything that has a name, the error and the drift as plain data.
+
+        Numbers are doubles; None where JSON has no number, as for an infinite error.
+
+        Examples
+        --------
+        >>> from geomtorsion.ode import ODE, solve
+        >>> data = solve(ODE.of({"x": "-x"}, [1]), [0.0, 1.0]).to_json()
+        >>> data["outcome"], [round(x, 9) for x in data["solution"]["x"]]
+        ('done', [1.0, 0.367879441])
+        """
+        return {
+            "solution": plain_columns(self.problem.columns(self.moment)),
+            "outcome": self.outcome,
+            "error": json_number(self.error),
+            "accuracy": self.accuracy,
+            "engine": self.engine,
+            "drift": {name: json_number(change) for name, change in self.drift.items()},
+        }
 
     def save(self, path: str | Path) -> None:
         """Write an NPZ file with arrays (as doubles) and metadata; `SavedSolution.load` reads it.

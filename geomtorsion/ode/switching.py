@@ -266,11 +266,13 @@ class Switching:
         rates = self.rates
         expressions = {name: resolved(x, choice) for name, x in rates.expressions.items()}
         stops = tuple(resolved(x, choice) for x in rates.stops)
-        marks = sorted({str(y) for x in (*expressions.values(), *stops) for y in x.atoms(ends)})
+        marks = sorted(
+            {str(y.args[0]) for x in (*expressions.values(), *stops) for y in x.atoms(ends)}
+        )
         clocked = rates.has_clock or any(x.has(self.time) for x in self.untimed)
         one = replace(rates, expressions=expressions, stops=stops, is_clocked=clocked)
         if marks:
-            return Mode(one, graph((), []), f"a table has no rows beyond, in {marks[0]}")
+            return Mode(one, graph((), []), f"a table of {marks[0]} has no rows beyond")
         watched = [*self.terms, *stops]
         slopes = [along(x, expressions, self.time) for x in watched]
         return Mode(one, graph(rates.names, [*watched, *slopes], factor=False), "")

@@ -19,6 +19,7 @@ from geomtorsion.ode.trajectory import Trajectory
 from geomtorsion.support import checks
 from geomtorsion.support.files import written
 from geomtorsion.support.npz import write_npz
+from geomtorsion.support.outgoing import json_number
 
 # Version of the format of `write_solution`.
 FORMAT = 2
@@ -77,6 +78,11 @@ def number_text(value: Any) -> str:
 def numbers_text(table: Mapping[str, Real]) -> dict[str, str]:
     """Texts of numbers by name."""
     return {name: number_text(x) for name, x in table.items()}
+
+
+def plain_columns(columns: Mapping[str, np.ndarray]) -> dict[str, list[float | None]]:
+    """Columns by name as lists of doubles; None where a number is not finite."""
+    return {name: [json_number(x) for x in column] for name, column in columns.items()}
 
 
 def pandas_table(columns: Mapping[str, Any]) -> Any:

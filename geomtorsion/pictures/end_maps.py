@@ -63,10 +63,8 @@ def draw_ends(found: EndMap) -> Figure:
         for k, (colour, word) in enumerate(zip(colours, words, strict=True), -2)
         if np.any(found.fate == k)
     ]
-    axes.legend(
-        handles=patches, frameon=False, fontsize=9, loc="lower center", bbox_to_anchor=(0.5, 1),
-        ncols=3,
-    )  # fmt: skip
+    # Conditions may be long, so that each has a line of its own.
+    figure.legend(handles=patches, frameon=False, fontsize=9, loc="outside upper center")
     captioned(figure, [repr(found)])
     return figure
 

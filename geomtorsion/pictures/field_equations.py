@@ -2,16 +2,25 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from typing import Any
 
+from geomtorsion.geometry import Tensor
 from geomtorsion.geometry.notation import short
 from geomtorsion.geometry.quantities import Entry
 from geomtorsion.gravity import FieldEquations
 from geomtorsion.pictures.formula import mathml
-from geomtorsion.pictures.latex import latex_label, latex_marks, latex_name, latex_text
+from geomtorsion.pictures.latex import (
+    latex_label,
+    latex_marks,
+    latex_name,
+    latex_text,
+    text_label,
+    text_marks,
+)
 from geomtorsion.pictures.quantities import Quantity
 from geomtorsion.pictures.sections import section
-from geomtorsion.pictures.text import plain_text
+from geomtorsion.pictures.text import expression_text, plain_text
 from geomtorsion.support.outgoing import html_text
 
 TITLE = "Field equations"
@@ -89,3 +98,59 @@ def field_equations_data(equations: FieldEquations) -> dict[str, Any]:
             for name, tensor in equations.matter_equations.items()
         },
     }
+
+
+def field_equations_lines(equations: FieldEquations, *, greek: bool) -> Iterator[str]:
+    """Connections, constants, invariants and equations, line by line.
+
+    Indices count from 1. Equal components, such as E_2^2 = E_3^3, are written once.
+
+    greek: whether Greek letters may be written.
+
+    Examples
+    --------
+    >>> import geomtorsion as gt
+    >>> frame = gt.spaces.load("frw_flat").frame
+    >>> equations = gt.gravity.equations(gt.cartan(frame), "T")
+    >>> list(field_equations_lines(equations, greek=False))[3]
+    'E_1^1 = -6*diff(a(t), t)^2/a(t)^2'
+    """
+    yield ", ".join(one.name for one in equations.connections)
+    if equations.constants:
+        yield f"constants: {' '.join(equations.constants)}"
+    for name, value in equations.scalars.items():
+        yield f"{name} = {expression_text(value, greek=greek)}"
+    for name, tensor in equations.tensors.items():
+        yield ""
+        yield from (
+            [f"{name} = 0"] if tensor.is_zero else _components(equations, name, tensor, greek)
+        )
+    for name, tensor in equations.matter_equations.items():
+        yield ""
+        yield from _of_matter(equations, name, tensor, greek)
+    yield ""
+
+
+def _components(equations: FieldEquations, name: str, tensor: Tensor, greek: bool) -> Iterator[str]:
+    """The components of a tensor that differ, in the names of invariants."""
+    labels: dict[str, list[str]] = {}
+    for index in tensor.components.independent:
+        marks = text_marks(tensor, index, greek=greek)
+        label = text_label(name[0], marks, tensor.slots)
+        if name != name[0]:
+            label = label.replace("{", "{[").replace("}", "]}")
+        text = expression_text(equations.readable(name, *index), greek=greek)
+        labels.setdefault(text, []).append(label)
+    for text, equal in labels.items():
+        yield f"{' = '.join(equal)} = {text}"
+
+
+def _of_matter(equations: FieldEquations, name: str, tensor: Tensor, greek: bool) -> Iterator[str]:
+    """The equations of one matter field."""
+    if tensor.is_zero:
+        yield f"equation of {name}: holds"
+        return
+    for index in tensor.components.independent:
+        label = text_label(name, text_marks(tensor, index, greek=greek), tensor.slots)
+        text = expression_text(equations.written(tensor.element(*index)), greek=greek)
+        yield f"equation of {label}: {text} = 0"

@@ -27,11 +27,14 @@ if TYPE_CHECKING:
     from geomtorsion.pictures.quantities import Quantity
 
 
-def section(quantity: Quantity) -> str:
-    """A quantity with its heading, its definition and its nonzero components, as HTML."""
+def section(quantity: Quantity, title: str = "") -> str:
+    """A quantity with its heading, its definition and its nonzero components, as HTML.
+
+    title: the heading, if it is not the English name of the quantity.
+    """
     entry = quantity.entry
     head = (
-        f'<div class="head"><h3>{html_text(entry.title)}</h3>'
+        f'<div class="head"><h3>{html_text(title or entry.title)}</h3>'
         f"{mathml(equation_latex(entry.equation))}</div>"
     )
     return f'<section class="card" id="{entry.name}">{head}{_body(quantity)}</section>'

@@ -262,6 +262,18 @@ def python_text(text: str) -> str:
     return one_line(text).replace("\\", "/").replace('"', "'")
 
 
+def json_number(value: float) -> float | None:
+    """A number as a double, or None where JSON has no such number.
+
+    Examples
+    --------
+    >>> json_number(0.5), json_number(float("inf")), json_number(float("nan"))
+    (0.5, None, None)
+    """
+    double = float(value)
+    return double if math.isfinite(double) else None
+
+
 def csv_cell(text: str) -> str:
     """Text in a cell of a CSV file, which no spreadsheet takes for a formula.
 

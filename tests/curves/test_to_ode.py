@@ -8,7 +8,7 @@ import sympy as sp
 from scipy.interpolate import CubicSpline
 
 import geomtorsion as gt
-from geomtorsion.errors import ArgumentError, ExpressionError
+from geomtorsion.errors import ArgumentError, ExpressionError, StuckError
 
 PLANE = gt.Frame("x y", [[1, 0], [0, 1]], name="plane")
 
@@ -135,3 +135,30 @@ def test_the_size_of_a_parameter_is_read_by_its_sign():
     """Nothing changes on the way, so that the curve itself is solved."""
     slow = gt.geodesic(PLANE, [0, 0], [1, 0], force=["-abs(k)*u1", 0], parameters={"k": 2})
     assert gt.solve(slow, 1.0)["u1"][-1] == pytest.approx(math.exp(-2), rel=1e-9)
+
+
+@pytest.mark.parametrize("options", [{}, {"potential": "max(r, 1/2)"}])
+@pytest.mark.parametrize("derivatives", [[], ["r"]])
+def test_equations_end_where_the_chart_does(options, derivatives):
+    """A radial line does not pass r = 0 of polar coordinates, with and without pieces."""
+    line = gt.geodesic("flat_polar", [1, 0], [-1, 0], **options).to_ode()
+    with pytest.raises(StuckError, match="r = 0"):
+        gt.solve(line, 2.0, derivatives=derivatives)
+
+
+def test_a_declared_domain_holds_for_pieces():
+    """Slowed by 1/10 from x = 1 on, the ball reaches x = 2 where its domain ends."""
+    half = gt.Frame("x y", [[1, 0], [0, 1]], domain=["x < 2"])
+    slow = gt.geodesic(half, [0, 0], [1, 0], force=["-max(sign(x - 1), 0)/10", 0]).to_ode()
+    with pytest.raises(StuckError, match=r"x = 2, .*x < 2 holds no longer") as caught:
+        gt.solve(slow, 9.0)
+    end = 1 + 10 * (1 - math.sqrt(1 - 0.2))
+    assert caught.value.solution.trajectory.reached == pytest.approx(end, rel=1e-9)
+
+
+def test_conditions_to_stop_hold_for_the_equations():
+    """Free up to x = 1, then faster by 1 for each unit of time: x = 3/2 after 1/2 + sqrt(5) - 2."""
+    push = gt.geodesic(PLANE, [0, 0], [2, 0], force=["Heaviside(x - 1)", 0], stop="3/2 - x")
+    solution = gt.solve(push.to_ode(), 9.0)
+    assert solution.stopped_by == "3/2 - x"
+    assert solution.times[-1] == pytest.approx(0.5 + math.sqrt(5) - 2, rel=1e-9)

@@ -1,5 +1,6 @@
 """Values demanded at the end or at infinity, compared with closed forms and other integrations."""
 
+import json
 import math
 from pathlib import Path
 
@@ -55,6 +56,12 @@ def test_a_parameter_from_the_size_of_a_universe(cosmos: g.Reduction) -> None:
     )  # fmt: skip
     assert answer.solution.times.tolist() == [0.5, 1]
     assert abs(answer.values["Lambda"] - 2.1) < answer.errors["Lambda"] < 1e-8
+    data = json.loads(json.dumps(answer.to_json(), allow_nan=False))
+    free = data["free"]["Lambda"]
+    assert abs(free["value"] - 2.1) < free["error"]
+    assert list(data["boundary"]) == list(answer.misses)
+    assert set(data["solution"]) == {"t", *cosmos.states}
+    assert data["solution"]["a"][-1] == pytest.approx(size, rel=1e-8)
 
 
 def test_two_conditions_and_two_numbers(cosmos: g.Reduction) -> None:
@@ -212,6 +219,10 @@ def test_a_star_and_the_vacuum_around_it(vacuum: g.Reduction) -> None:
     radius = math.sqrt(3 * (1 - share**2) / (8 * math.pi * density))
     assert answer.outside is not None
     assert answer.outside["M"] == pytest.approx(4 / 3 * math.pi * density * radius**3, rel=1e-8)
+    data = json.loads(json.dumps(answer.to_json(), allow_nan=False))
+    # The vacuum begins where the pressure ends.
+    assert data["solution"]["r"][-1] == pytest.approx(data["outside"]["solution"]["r"][0])
+    assert not any(name.startswith("condition") for name in data["outside"]["solution"])
 
 
 def test_equal_calls_give_equal_bits(vacuum: g.Reduction) -> None:

@@ -264,6 +264,19 @@ def test_other_theories() -> None:
     assert 1e-3 < abs(other.mass / usual.mass - 1) < 0.1
 
 
+@pytest.mark.parametrize(
+    ("connection", "lagrangian"),
+    [(gt.levi_civita(STATIC), "R/(16*pi)"), (PROPER, "-T/(16*pi)")],
+    ids=["metric", "teleparallel"],
+)
+def test_general_relativity_from_its_field_equations(
+    connection: gt.Connection, lagrangian: str
+) -> None:
+    """They have the tide and the rotation of the equation of state, to the bit."""
+    theory = g.equations(connection, lagrangian, g.fluid(p=SOFT))
+    assert g.star(theory, pressure=FONT).numbers == g.star(SOFT, pressure=FONT).numbers
+
+
 def test_an_exponential_of_torsion_needs_no_condition() -> None:
     """The argument of the function gets a name; for a small c the star is general relativity's."""
     theory = g.equations(PROPER, "-(exp(c*T) - 1)/(16*pi*c)", g.fluid(p=SOFT))

@@ -2,6 +2,7 @@
 
 import math
 from collections.abc import Callable, Sequence
+from typing import Any
 
 import numpy as np
 import pytest
@@ -314,6 +315,8 @@ def circle() -> g.Reduction:
     return equations.reduce("t", ["S(t) = R", "S(t) = rho"])
 
 
+# The size of a universe of dust in other units: an output with a constant that no rate has.
+SCALED = EINSTEIN.reduce("t", ["S(t) = k*a"])
 REFUSALS: dict[str, tuple[Callable[[], object], type[GeomtorsionError], str]] = {
     "a circle": (circle, GravityError, "refer to each other in a circle"),
     "free lapse": (
@@ -405,7 +408,26 @@ REFUSALS: dict[str, tuple[Callable[[], object], type[GeomtorsionError], str]] = 
         StartError,
         "kappa",
     ),
+    "missing parameter of an output": (
+        lambda: SCALED.ode({"a": 1, "rho": 3}, near={"a_1": 1}),
+        StartError,
+        "got none for k",
+    ),
+    "missing parameter of an output between two places": (
+        lambda: g.shoot(
+            SCALED, "t", 1, {"a": 1, "rho": 3}, near={"a_1": 1}, free=["rho"], boundary={"a": 2}
+        ),
+        StartError,
+        "got none for k",
+    ),
 }
+
+
+def test_an_output_has_a_constant_of_its_own() -> None:
+    """S = k a: at t = 2/3 dust with a = (1 + 3 t/2)^(2/3) has S = k 2^(2/3)."""
+    ode = SCALED.ode({"a": 1, "rho": 3}, {"k": "3/2"}, near={"a_1": 1})
+    solution = gt.solve(ode, 2 / 3)
+    assert float(solution["S"][-1]) == pytest.approx(1.5 * 2 ** (2 / 3), rel=CLOSE)
 
 
 @pytest.mark.parametrize("name", REFUSALS)
@@ -589,5 +611,6 @@ def test_the_only_variable_may_be_omitted():
     hole = gt.gravity.equations(gt.levi_civita("schwarzschild"), "R/2")
     with pytest.raises(GravityError, match="expected an unknown function of t"):
         hole.reduce()
+    frame: Any = gt.spaces.load("schwarzschild").frame
     with pytest.raises(GravityError, match=r"Give cartan\(frame\) or levi_civita\(frame\)"):
-        gt.gravity.equations(gt.spaces.load("schwarzschild").frame, "R/2")
+        gt.gravity.equations(frame, "R/2")

@@ -128,7 +128,7 @@ def frames_with_constants(draw: st.DrawFn) -> Frame:
     return Frame(symbols, matrix)
 
 
-@settings(max_examples=12)
+@settings(max_examples=5)
 @given(
     frame=frames_with_constants(),
     velocity=st.lists(st.integers(1, 9), min_size=3, max_size=3),

@@ -32,6 +32,7 @@ from geomtorsion.ode.engines import Run
 from geomtorsion.ode.engines.taylor import is_available
 from geomtorsion.prices import price
 from geomtorsion.scenes.checkpoint import partial_result
+from tests.chosen import few
 
 
 class Mine:
@@ -96,6 +97,10 @@ OWN: list[Engine] = [RungeKutta(), Stiff("Radau"), Stiff("LSODA")]
 if is_available():
     OWN += [Taylor(), Taylor(64), Taylor(113)]
 every_engine = pytest.mark.parametrize("engine", [*OWN, Mine()], ids=lambda engine: engine.name)
+# Two engines solve long motions in the normal run, one without heyoka and one of a user.
+two_engines = pytest.mark.parametrize(
+    "engine", few(2, [*OWN, Mine()]), ids=lambda engine: engine.name
+)
 ACCURACY = 1e-8
 
 
@@ -141,7 +146,7 @@ def test_a_great_circle_over_both_poles(engine: Engine) -> None:
     assert z == pytest.approx(-np.sin(speed * solution.times.astype(float)) / speed, abs=1e-5)
 
 
-@every_engine
+@two_engines
 def test_eighteen_changes_of_charts(engine: Engine) -> None:
     """Great circles beside the poles: the error estimate covers the error to t = 30."""
     problem = geodesic(
@@ -211,7 +216,7 @@ def test_a_checkpoint_resumes(engine: Engine, tmp_path: Path) -> None:
         solve(swing(), [1.0, 2.0, 3.0], ACCURACY, other, checkpoint=tmp_path / "run.npz")
 
 
-@every_engine
+@two_engines
 def test_a_scene_and_what_its_checkpoint_holds(engine: Engine, tmp_path: Path) -> None:
     """A stopped scene is read with the engine that ran it."""
     scene = replace(scenes.load("lagrange_cusp"), accuracy=1e-6)

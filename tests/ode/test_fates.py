@@ -54,10 +54,12 @@ def test_the_figure_has_an_entry_for_each_end():
     """Only ends that occur are in the legend."""
     pytest.importorskip("matplotlib")
     ends = gt.end_map(SWING, {"x": [0.0, 1.0], "v": [0.5, 2.5]}, 10.0)
-    (axes,) = ends.plot().axes
-    legend = axes.get_legend()
-    assert legend is not None
+    figure = ends.plot()
+    (legend,) = figure.legends
     assert [text.get_text() for text in legend.get_texts()] == ["on the way", *ends.conditions]
+    figure.canvas.draw()
+    box = legend.get_window_extent()
+    assert 0 <= box.x0 < box.x1 <= figure.bbox.width
     with pytest.raises(ArgumentError, match="expected the result of gt.end_map"):
         gt.pictures.draw_ends(3)  # type: ignore[arg-type]
 
@@ -82,3 +84,23 @@ def test_refusals(call, error, words):
     """A map needs two numbers of a start, and a condition that ends the motion."""
     with pytest.raises(error, match=words):
         call()
+
+
+def test_three_bodies_have_the_symmetry_of_two_equal_stars():
+    """Half a turn exchanges the stars, and with them the ends of a body that starts at rest."""
+    right, left = "((x - 1/2)**2 + y**2)", "((x + 1/2)**2 + y**2)"
+    rates = {
+        "x": "u",
+        "y": "v",
+        "u": f"2*v + x - (x - 1/2)/(2*{right}**(3/2)) - (x + 1/2)/(2*{left}**(3/2))",
+        "v": f"-2*u + y - y/(2*{right}**(3/2)) - y/(2*{left}**(3/2))",
+    }
+    ends = [gt.When(f"{right} - 1/400"), gt.When(f"{left} - 1/400"), gt.When("9 - x**2 - y**2")]
+    body = gt.ODE.of(rates, [1, 0, 0, 0], events=ends)
+    places = np.linspace(-1.85, 1.85, 12)
+    found = gt.end_map(body, {"x": places, "y": places}, 10.0)
+    assert not found.undecided.any()
+    exchanged = {-1: -1, 0: 1, 1: 0, 2: 2}
+    turned = [[exchanged[int(x)] for x in row[::-1]] for row in found.fate[::-1]]
+    assert turned == found.fate.tolist()
+    assert {0, 1, 2} <= set(found.fate.ravel().tolist())

@@ -129,6 +129,20 @@ def test_error_of_outputs_without_a_value():
     assert solution.error_of("none") < 1e-14
 
 
+def test_plain_data_is_strict():
+    """Columns, error and drift as JSON: x = e^-t; None where an output has no value."""
+    rates = ODE.of({"x": "-x", "y": "x"}, [1, 0], outputs={"q": "x/y"}, invariants={"sum": "x + y"})
+    solution = solve(rates, [0.0, 1.0, 2.0])
+    data = json.loads(json.dumps(solution.to_json(), allow_nan=False))
+    columns = data["solution"]
+    assert list(columns) == ["t", "x", "y", "q"]
+    assert columns["t"] == [0, 1, 2]
+    assert columns["x"] == pytest.approx(np.exp([0, -1, -2]), rel=10 * solution.error)
+    assert columns["q"][0] is None
+    assert data["drift"] == {"sum": solution.drift["sum"]}
+    assert data["error"] == solution.error
+
+
 def test_error_of_unknown_outputs():
     solution = solve(swing(), 1.0, 1e-8, RungeKutta())
     with pytest.raises(UnknownNameError, match="Did you mean place"):

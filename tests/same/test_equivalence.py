@@ -34,13 +34,14 @@ PAIRS = [
     ("so3", None, "bianchi_ix", None, S, S, S),
     ("heisenberg", None, "bianchi_ii", None, D, S, S),
     ("sol", None, "bianchi_vi_0", None, D, S, S),
-    ("schwarzschild_cartesian", MASS, "schwarzschild_isotropic", MASS, S, S, S),
-    ("schwarzschild_cartesian", MASS, "schwarzschild_isotropic", DOUBLE, D, D, D),
+    ("schwarzschild", MASS, "schwarzschild", DOUBLE, D, D, D),
     ("schwarzschild", MASS, "schwarzschild_cartesian", MASS, D, D, S),
     ("schwarzschild", MASS, "schwarzschild_falling", MASS, D, D, S),
     *(
         pytest.param(pair, marks=pytest.mark.slow)
         for pair in (
+            ("schwarzschild_cartesian", MASS, "schwarzschild_isotropic", MASS, S, S, S),
+            ("schwarzschild_cartesian", MASS, "schwarzschild_isotropic", DOUBLE, D, D, D),
             ("kerr", KERR, "kerr_kinnersley", KERR, D, D, S),
             ("kerr", KERR, "kerr", {"M": 1, "a": 2 * M}, D, D, D),
         )

@@ -4,14 +4,15 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
-from typing import NoReturn
+from typing import Any, NoReturn
 
 import numpy as np
 import sympy as sp
 
 from geomtorsion.errors import EndpointError, GravityError, StartError, TimeError
-from geomtorsion.gravity.motion.shots import Aim, Leg, Shooter, conditions_of
+from geomtorsion.gravity.motion.shots import Aim, Leg, Shooter, condition_name, conditions_of
 from geomtorsion.gravity.motion.solving import checked_theory
+from geomtorsion.gravity.reduced.beginning import Start
 from geomtorsion.gravity.reduced.reduction import Reduction
 from geomtorsion.gravity.reduced.starts import numbers_of
 from geomtorsion.gravity.theory.field_equations import FieldEquations
@@ -21,7 +22,7 @@ from geomtorsion.ode.error_estimate import AIM
 from geomtorsion.ode.newton import SHOTS, Hit, Newton, tried
 from geomtorsion.ode.numbers import checked_accuracy
 from geomtorsion.support import checks
-from geomtorsion.support.outgoing import measured_text, size_text
+from geomtorsion.support.outgoing import json_number, measured_text, size_text
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -57,6 +58,21 @@ class Shooting:
         return "\n".join([*lines, f"{self.shots} shots", str(self.outside or self.solution)])
 
     __repr__ = __str__
+
+    def to_json(self) -> dict[str, Any]:
+        """The solution, the free numbers and the misses as plain data; see `Solution.to_json`."""
+        document = _without_conditions(self.solution, len(self.misses))
+        if self.outside is not None:
+            document["outside"] = _without_conditions(self.outside, len(self.misses))
+        free = {
+            name: {"value": value, "error": json_number(self.errors[name])}
+            for name, value in self.values.items()
+        }
+        boundary = {
+            name: {"miss": miss, "remainder": self.remainders.get(name)}
+            for name, miss in self.misses.items()
+        }
+        return {**document, "free": free, "boundary": boundary}
 
 
 def shoot(
@@ -153,37 +169,33 @@ def shoot(
             )
         )
     texts = reductions[-1].read({one.text: one.expression for one in demands}, "boundary value")
-    conditional = {f"condition_{k}": one for k, one in enumerate(texts.values(), 1)}
+    conditional = {condition_name(k): one for k, one in enumerate(texts.values(), 1)}
     legs = [
         Leg(
-            one,
-            near or {},
-            {**outputs, **(conditional if one is reductions[-1] else {})},
-            tuple(events) if one is reductions[0] else (),
+            reduction=one,
+            outputs={**outputs, **(conditional if one is reductions[-1] else {})},
+            events=tuple(events) if one is reductions[0] else (),
             # As in `log_map`, solutions are better than the hits.
-            AIM * accuracy,
-            engine,
+            accuracy=AIM * accuracy,
+            engine=engine,
         )
         for one in reductions
     ]
     guesses = numbers_of({x: {**numbers, **start}[x] for x in names}, names, "free")
     shooter = Shooter(
-        tuple(legs),
-        start,
-        numbers,
-        origin,
-        tuple(demands),
-        names,
-        tuple(guesses.values()),
-        tuple(abs(x) or sp.Integer(1) for x in guesses.values()),
-        accuracy,
+        legs=tuple(legs),
+        start=Start(start, numbers, near or {}, origin),
+        conditions=tuple(demands),
+        free=names,
+        centres=tuple(guesses.values()),
+        units=tuple(abs(x) or sp.Integer(1) for x in guesses.values()),
+        accuracy=accuracy,
     )
     # A start that does not fit the equations is an error of its own.
     for name in numbers:
         constants = [x for one in reductions for x in one.constants]
         checks.known_name(name, constants, "parameters", GravityError)
-    own = {name: x for name, x in numbers.items() if name in reductions[0].constants}
-    place, _ = reductions[0].begin(start, own, near=near, origin=origin)
+    place, _ = legs[0].read(shooter.start).first
     times = checks.array(last, "last", TimeError)
     end = float(times.ravel()[-1])
     if end == float(place):
@@ -233,7 +245,7 @@ class _Search:
         best = [None if one.at_infinity else 0 for one in shooter.conditions]
         remainders = [one.remainder for one in shooter.limits(whole, best)]
         noise = [
-            sum(x.error for x in whole) * float(np.nanmax(np.abs(whole[-1][f"condition_{k}"])))
+            sum(x.error for x in whole) * float(np.nanmax(np.abs(whole[-1][condition_name(k)])))
             for k in range(1, len(remainders) + 1)
         ]
         wrong = np.abs(hit.shot.gap) + (np.array(noise) + np.array(remainders)) / aim.scales
@@ -243,20 +255,20 @@ class _Search:
         texts = [one.written for one in shooter.conditions]
         solutions = shooter.solutions(hit.vector, times) if times.ndim else whole
         return Shooting(
-            values,
-            {
+            values=values,
+            errors={
                 name: max(error, abs(value) * shooter.accuracy)
                 for (name, value), error in zip(values.items(), sizes.tolist(), strict=True)
             },
-            dict(zip(texts, (hit.shot.gap * aim.scales).tolist(), strict=True)),
-            {
+            misses=dict(zip(texts, (hit.shot.gap * aim.scales).tolist(), strict=True)),
+            remainders={
                 text: remainder
                 for text, remainder, one in zip(texts, remainders, shooter.conditions, strict=True)
                 if one.at_infinity
             },
-            solutions[0],
-            solutions[1] if len(solutions) > 1 else None,
-            shots,
+            solution=solutions[0],
+            outside=solutions[1] if len(solutions) > 1 else None,
+            shots=shots,
         )
 
     def followed(self) -> tuple[Shooter, Hit, int]:
@@ -306,3 +318,11 @@ class _Search:
             f"shoot: expected {', '.join(shooter.free)} for which {wanted} at {name} = "
             f"{self.last:.6g}, got none. {result}."
         )
+
+
+def _without_conditions(solution: Solution, count: int) -> dict[str, Any]:
+    """The plain data of a solution without the columns of boundary conditions."""
+    document = solution.to_json()
+    names = {condition_name(k) for k in range(1, count + 1)}
+    columns = {x: y for x, y in document["solution"].items() if x not in names}
+    return {**document, "solution": columns}

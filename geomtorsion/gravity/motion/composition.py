@@ -12,6 +12,7 @@ import sympy as sp
 
 from geomtorsion.errors import GravityError, StartError
 from geomtorsion.exact import unknown_functions
+from geomtorsion.gravity.reduced.beginning import Beginning, Start
 from geomtorsion.gravity.reduced.reduction import Reduction
 from geomtorsion.gravity.theory.field_equations import FieldEquations
 from geomtorsion.gravity.theory.fluids import Fluid
@@ -32,19 +33,16 @@ class Composition:
     """A theory with its start: what made an ODE, and makes it without some of its terms.
 
     equations: of the theory. variable: on which the unknown functions depend.
-    start: state -> number, the most important first: a theory with fewer unknowns follows the first
+    start: its values, the most important first: a theory with fewer unknowns follows the first
         numbers, and its constraints determine the last ones.
-    parameters, near, origin, conditions, outputs, events: as for `gravity.solve`.
+    conditions, outputs, events: as for `gravity.solve`.
     """
 
     equations: FieldEquations
     variable: str
-    start: Mapping[str, object]
-    parameters: Mapping[str, object] | None
-    near: Mapping[str, object] | None
-    origin: object
+    start: Start
     conditions: object
-    outputs: Mapping[str, object] | None
+    outputs: Mapping[str, object]
     events: tuple[At | When, ...]
     _parts: dict[frozenset[str], Composition] = field(default_factory=dict, repr=False, init=False)
 
@@ -100,21 +98,20 @@ class Composition:
         return tuple(name for x, name in every.items() if x in coframe) or tuple(every.values())
 
     @cached_property
-    def begun(self) -> tuple[sp.Expr, dict[str, sp.Expr]]:
-        """The value of the variable where numbers start, and all states there."""
-        return self.reduction.begin(self.start, self.parameters, near=self.near, origin=self.origin)
+    def beginning(self) -> Beginning:
+        """The start with its numbers read."""
+        return self.reduction.beginning(self.start)
+
+    @property
+    def place(self) -> sp.Expr:
+        """The value of the variable where numbers start."""
+        return self.beginning.first[0]
 
     @cached_property
     def ode(self) -> ODE:
         """The equations with the start."""
-        place, full = self.begun
-        ode = self.reduction.ode(
-            full, self.parameters, origin=place, outputs=self.outputs, events=self.events
-        )
-        centre = self.reduction.centre(
-            self.start, self.parameters, near=self.near, origin=self.origin
-        )
-        return replace(ode, maker=self, centre=centre)
+        ode = self.reduction.ode_of(self.beginning, self.outputs, self.events)
+        return replace(ode, maker=self)
 
     def without(self, ode: ODE, effects: frozenset[str]) -> ODE:
         """The equations of the theory without some terms and sources.
@@ -134,25 +131,29 @@ class Composition:
         if effects not in self._parts:
             self._parts[effects] = self._part(effects)
         part = self._parts[effects]
-        if part.begun[0] != self.begun[0]:
+        if part.place != self.place:
             raise GravityError(
-                f"expected a solution from {self.variable} = {self.begun[0]}, got one from "
-                f"{part.begun[0]}, because its power series is another one. Omit other effects."
+                f"expected a solution from {self.variable} = {self.place}, got one from "
+                f"{part.place}, because its power series is another one. Omit other effects."
             )
         return part.ode
 
     def moved(self, ode: ODE, part: float) -> ODE:
         """The theory from other numbers, which its constraints complete near the former ones."""
         known = {name: float(x) for name, x in zip(ode.states, ode.start, strict=True)}
-        start = {
+        values = {
             name: float(x) * (1 + (-1) ** k * part)
-            for k, (name, x) in enumerate(self._named(self.start).items())
+            for k, (name, x) in enumerate(_named(self.start.values).items())
         }
-        near = {name: x for name, x in known.items() if name not in start}
-        other = replace(self, start=start, near=near)
+        near = {name: x for name, x in known.items() if name not in values}
+        return self._from(values, near).ode
+
+    def _from(self, values: Mapping[str, object], near: Mapping[str, object]) -> Composition:
+        """The same theory from other numbers of states."""
+        other = replace(self, start=replace(self.start, values=values, near=near))
         # The equations are the same.
         vars(other)["reduction"] = self.reduction
-        return other.ode
+        return other
 
     def _part(self, effects: frozenset[str]) -> Composition:
         """The theory without some effects, with as many numbers of its start as it needs."""
@@ -173,8 +174,8 @@ class Composition:
         part = replace(self, equations=rest, conditions=self._conditions(omitted, matter))
         lost = {*self.reduction.states} - {*part.reduction.states}
         start, near = (
-            {name: x for name, x in self._named(table).items() if name not in lost}
-            for table in (self.start, self.near)
+            {name: x for name, x in _named(table).items() if name not in lost}
+            for table in (self.start.values, self.start.near)
         )
         refused: GravityError | StartError | None = None
         # As few numbers as possible are left to the constraints, the last ones first.
@@ -182,20 +183,15 @@ class Composition:
             for names in combinations(reversed(start), count):
                 left = {name: x for name, x in start.items() if name not in names}
                 free = near | {name: start[name] for name in names}
-                trial = replace(part, start=left, near=free)
-                # The equations are the same.
-                vars(trial)["reduction"] = part.reduction
+                trial = part._from(left, free)
                 try:
-                    _ = trial.begun
+                    _ = trial.beginning.first
                 except (GravityError, StartError) as error:
                     refused = refused or error
                 else:
                     return trial
         assert refused is not None
         raise refused
-
-    def _named(self, values: Mapping[str, object] | None) -> dict[str, Any]:
-        return checks.by_name(values or {}, "start", StartError)
 
     def _conditions(self, omitted: Sequence[Source], matter: Sequence[Any]) -> object:
         """The conditions that do not name a function of omitted sources only."""
@@ -211,3 +207,8 @@ class Composition:
             for pair in conditions_of(self.conditions)
             if not words & {word for side in pair for word in _NAME.findall(str(side))}
         ]
+
+
+def _named(values: Mapping[str, object]) -> dict[str, Any]:
+    """Numbers of states by name."""
+    return checks.by_name(values, "start", StartError)

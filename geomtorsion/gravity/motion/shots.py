@@ -11,8 +11,9 @@ import numpy as np
 import sympy as sp
 
 from geomtorsion.errors import EndpointError, GravityError, StartError
+from geomtorsion.gravity.reduced.beginning import Beginning, Start
 from geomtorsion.gravity.reduced.reduction import Reduction
-from geomtorsion.gravity.reduced.starts import numbers_of
+from geomtorsion.gravity.reduced.starts import check_parameters, numbers_of
 from geomtorsion.ode import ODE, At, Engine, Solution, When
 from geomtorsion.ode import solve as solve_ode
 from geomtorsion.ode.error_estimate import AIM
@@ -39,6 +40,11 @@ class Condition:
     def written(self) -> str:
         """The condition as an equation."""
         return f"{self.text} = {self.value:g}"
+
+
+def condition_name(number: int) -> str:
+    """The output of a solution that is the expression of a condition, counted from 1."""
+    return f"condition_{number}"
 
 
 def conditions_of(boundary: object, outputs: Mapping[str, object]) -> list[Condition]:
@@ -81,13 +87,12 @@ class Limit:
 
 @dataclass(frozen=True, eq=False)
 class Leg:
-    """Equations between two places: their start, and how they are solved.
+    """Equations between two places, and how they are solved.
 
-    reduction: the equations. parameters, near, outputs, events, accuracy, engine: as for `solve`.
+    reduction: the equations. outputs, events, accuracy, engine: as for `solve`.
     """
 
     reduction: Reduction
-    near: Mapping[str, object]
     outputs: Mapping[str, object]
     events: tuple[At | When, ...]
     accuracy: float
@@ -95,31 +100,31 @@ class Leg:
     # Equations by whether they begin at zero: other numbers need no new compilation.
     _odes: dict[bool, ODE] = field(default_factory=dict, repr=False)
     # Starts by the numbers from which they were completed: a power series takes long.
-    _starts: dict[tuple, tuple[sp.Expr, dict[str, sp.Expr]]] = field(
-        default_factory=dict, repr=False
-    )
+    _beginnings: dict[tuple, Beginning] = field(default_factory=dict, repr=False)
 
-    def solved(
-        self,
-        start: Mapping[str, object],
-        parameters: Mapping[str, object],
-        origin: object,
-        last: float | np.ndarray,
-    ) -> Solution:
-        """The solution from a place to a last value of the variable, or to an event."""
-        reduction = self.reduction
-        parameters = {x: y for x, y in parameters.items() if x in reduction.constants}
-        key = (*start.items(), *parameters.items(), origin)
-        if key not in self._starts:
-            self._starts[key] = reduction.begin(start, parameters, near=self.near, origin=origin)
-        place, full = self._starts[key]
+    def read(self, start: Start) -> Beginning:
+        """A start with its numbers read; parameters of other equations are omitted."""
+        own = {x: y for x, y in start.parameters.items() if x in self.reduction.constants}
+        check_parameters(self.reduction.parameters, own)
+        return self.reduction.beginning(replace(start, parameters=own))
+
+    def beginning(self, start: Start) -> Beginning:
+        """The same for numbers that were read before, each start once."""
+        tables = (start.values, start.parameters, start.near, {"origin": start.origin})
+        key = tuple(tuple(table.items()) for table in tables)
+        if key not in self._beginnings:
+            self._beginnings[key] = self.read(start)
+        return self._beginnings[key]
+
+    def solved(self, start: Start, last: float | np.ndarray) -> Solution:
+        """The solution from a start to a last value of the variable, or to an event."""
+        reduction, beginning = self.reduction, self.beginning(start)
+        place, full = beginning.first
         ode = self._odes.get(bool(place))
         if ode is None:
-            ode = reduction.ode(
-                full, parameters, origin=place, outputs=self.outputs, events=self.events
-            )
+            ode = reduction.ode_at(place, full, beginning.written, self.outputs, self.events)
             self._odes[bool(place)] = ode
-        numbers = {name: parameters[name] for name in reduction.parameters}
+        numbers = {name: beginning.written[name] for name in reduction.parameters}
         if place:
             numbers[reduction.place_name] = place
         times = np.asarray(last, dtype=float) - float(place)
@@ -156,14 +161,12 @@ class Shooter:
     """Solutions as functions of free numbers: a vector of ones is their centre.
 
     legs: the equations, one or more; the next ones begin where an event ends the ones before.
-    start, parameters, origin: of the first leg. free: names of the free numbers.
+    start: of the first leg. free: names of the free numbers.
     centres, units: of the free numbers.
     """
 
     legs: tuple[Leg, ...]
-    start: Mapping[str, object]
-    parameters: Mapping[str, object]
-    origin: object
+    start: Start
     conditions: tuple[Condition, ...]
     free: tuple[str, ...]
     centres: tuple[sp.Rational, ...]
@@ -175,25 +178,38 @@ class Shooter:
         rows = zip(self.free, self.centres, self.units, vector.tolist(), strict=True)
         return {name: centre + unit * (sp.Rational(x) - 1) for name, centre, unit, x in rows}
 
+    def start_of(self, vector: np.ndarray) -> Start:
+        """The start of the first leg with the free numbers of a vector."""
+        numbers = self.numbers(vector)
+        values, parameters = (
+            {**table, **{name: numbers[name] for name in self.free if name in table}}
+            for table in (self.start.values, self.start.parameters)
+        )
+        return replace(self.start, values=values, parameters=parameters)
+
+    def continued(
+        self,
+        reduction: Reduction,
+        solution: Solution,
+        parameters: Mapping[str, object],
+        origin: float,
+    ) -> Start:
+        """The start of a leg where an event ended the solution of the one before."""
+        values = {x: float(solution[x][-1]) for x in reduction.states if x in solution}
+        near = {**values, **self.start.near}
+        return Start(_without_constrained(reduction, values), parameters, near, origin)
+
     def solutions(self, vector: np.ndarray, last: float | np.ndarray) -> tuple[Solution, ...]:
         """The solutions of all legs."""
-        numbers = self.numbers(vector)
-        start, parameters = (
-            {**table, **{name: numbers[name] for name in self.free if name in table}}
-            for table in (self.start, self.parameters)
-        )
+        start = self.start_of(vector)
         end = float(np.ravel(last)[-1])
-        origin, solutions = self.origin, list[Solution]()
+        solutions = list[Solution]()
         for number, leg in enumerate(self.legs, 1):
             is_last = number == len(self.legs)
             if solutions:
-                before = self.legs[number - 2]
-                here = solutions[-1]
-                start = {x: float(here[x][-1]) for x in leg.reduction.states if x in here}
-                origin = ends_of(before, here)[1]
-                leg = replace(leg, near={**start, **leg.near})
-                start = _without_constrained(leg.reduction, start)
-            solution = leg.solved(start, parameters, origin, last if is_last else end)
+                origin = ends_of(self.legs[number - 2], solutions[-1])[1]
+                start = self.continued(leg.reduction, solutions[-1], start.parameters, origin)
+            solution = leg.solved(start, last if is_last else end)
             if not is_last and solution.outcome != "stopped":
                 raise EndpointError("the first equations reach the last value before their event")
             if is_last and solution.outcome == "stopped" and not leg.events:
@@ -209,7 +225,7 @@ class Shooter:
         begin, end = ends_of(leg, solution)
         result = []
         for number, (condition, order) in enumerate(zip(self.conditions, orders, strict=True), 1):
-            name = f"condition_{number}"
+            name = condition_name(number)
             if order == 0 or not condition.at_infinity:
                 result.append(Limit(float(solution[name][-1]), 0, 0.0))
                 continue
@@ -232,7 +248,7 @@ class Shooter:
         """Sizes of the conditions: of their values, or of the expressions where a leg begins."""
         sizes = []
         for number, one in enumerate(self.conditions, 1):
-            size = abs(one.value) or abs(float(solutions[-1][f"condition_{number}"][0]))
+            size = abs(one.value) or abs(float(solutions[-1][condition_name(number)][0]))
             sizes.append(size if size and np.isfinite(size) else 1.0)
         return np.array(sizes)
 

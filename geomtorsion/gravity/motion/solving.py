@@ -3,12 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping
-from dataclasses import replace
 
 import numpy as np
 
 from geomtorsion.errors import ArgumentError, GravityError
 from geomtorsion.gravity.motion.composition import Composition
+from geomtorsion.gravity.reduced.beginning import Start
 from geomtorsion.gravity.reduced.reduction import Reduction
 from geomtorsion.gravity.theory.field_equations import FieldEquations
 from geomtorsion.gravity.theory.fluids import Fluid
@@ -80,12 +80,11 @@ def solve(
     2.718281828
     """
     equations = checked_theory(equations)
+    begin, outputs = Start.of(start, parameters, near, origin), outputs or {}
     if isinstance(equations, Reduction):
         checks.known_name(variable, [equations.variable], "variable", GravityError)
-        place, full = equations.begin(start, parameters, near=near, origin=origin)
-        ode = equations.ode(full, parameters, origin=place, outputs=outputs, events=events)
-        centre = equations.centre(start, parameters, near=near, origin=origin)
-        ode = replace(ode, centre=centre)
+        beginning = equations.beginning(begin)
+        ode = equations.ode_of(beginning, outputs, events)
     else:
         name = checks.known_name(
             variable, [x.name for x in equations.frame.coordinates], "variable", GravityError
@@ -95,10 +94,9 @@ def solve(
                 "solve: expected a fluid with one density and one pressure, got an equation of "
                 "state, which may have several pieces. Give the equations to gravity.star."
             )
-        theory = Composition(
-            equations, name, start, parameters, near, origin, conditions, outputs, tuple(events)
-        )
-        (place, _), ode = theory.begun, theory.ode
+        theory = Composition(equations, name, begin, conditions, outputs, tuple(events))
+        beginning, ode = theory.beginning, theory.ode
+    place, _ = beginning.first
     times = last if place == 0 else np.asarray(last, dtype=float) - float(place)
     return solve_ode(ode, times, accuracy, engine)
 

@@ -12,11 +12,12 @@ import sympy as sp
 from geomtorsion.errors import GravityError, StartError
 from geomtorsion.exact import parse_expression
 from geomtorsion.geometry.assumption import assumption_latex, assumption_of
+from geomtorsion.gravity.reduced.beginning import Beginning, Start
 from geomtorsion.gravity.reduced.branches import Branch, Search
 from geomtorsion.gravity.reduced.centre import Centre
 from geomtorsion.gravity.reduced.elimination import Eliminated
 from geomtorsion.gravity.reduced.jets import Jets
-from geomtorsion.gravity.reduced.starts import completed, numbers_of
+from geomtorsion.gravity.reduced.starts import check_parameters, numbers_of
 from geomtorsion.ode import ODE, At, When
 from geomtorsion.ode import Centre as StartCentre
 from geomtorsion.support import checks
@@ -229,11 +230,7 @@ class Reduction:
         StartError
             Numbers are missing, a constraint does not hold or has several solutions.
         """
-        known, values, guesses, place, centre = self._read(start, parameters, near, origin)
-        if centre is not None:
-            return centre.states(values, known, guesses)
-        known[self.variable] = place
-        return completed(self.rates, self.constraints, values, known, guesses)
+        return dict(self.beginning(Start.of(start, parameters, near, origin)).states)
 
     def begin(
         self,
@@ -254,27 +251,34 @@ class Reduction:
         StartError, GravityError
             as for `complete`, or a regular solution has no power series at the origin.
         """
-        known, values, guesses, place, centre = self._read(start, parameters, near, origin)
-        if centre is not None:
-            return centre.beside(values, known, guesses, reach)
-        return place, self.complete(start, parameters, near=near, origin=origin)
+        place, states = self.beginning(Start.of(start, parameters, near, origin)).within(reach)
+        return place, dict(states)
 
-    def _read(
-        self,
-        start: Mapping[str, object],
-        parameters: Mapping[str, object] | None,
-        near: Mapping[str, object] | None,
-        origin: object,
-    ) -> tuple[dict[str, sp.Expr], dict[str, sp.Expr], dict[str, sp.Expr], sp.Expr, Centre | None]:
-        """Numbers of parameters, start and rough values, the origin, and the centre there."""
-        known = numbers_of(parameters or {}, self.constants, "parameters")
-        (place,) = numbers_of({"origin": origin}, ("origin",), "origin").values()
+    def beginning(self, start: Start) -> Beginning:
+        """A start with its numbers read: what `complete`, `begin`, `centre` and `ode` answer from.
+
+        Raises
+        ------
+        StartError
+            a name is unknown, or a value is not a finite real number.
+        """
+        parameters = numbers_of(start.parameters, self.constants, "parameters")
+        (place,) = numbers_of({"origin": start.origin}, ("origin",), "origin").values()
         centre = None
-        if self._has_pole(place, start):
+        if self._has_pole(place, start.values):
             centre = Centre(self.jets, self.eliminated, place, self.names)
         names = self.states if centre is None else centre.names
-        values = numbers_of(start, names, "start")
-        return known, values, numbers_of(near or {}, names, "near"), place, centre
+        return Beginning(
+            rates=self.rates,
+            constraints=self.constraints,
+            values=numbers_of(start.values, names, "start"),
+            parameters=parameters,
+            written=start.parameters,
+            near=numbers_of(start.near, names, "near"),
+            variable=self.variable,
+            place=place,
+            centre=centre,
+        )
 
     def _has_pole(self, place: sp.Expr, start: Mapping[str, object]) -> bool:
         """Whether a rate has a pole at a place, perhaps by functions with a simple zero there."""
@@ -321,12 +325,35 @@ class Reduction:
         StartError, GravityError
             as for `complete` and `begin`.
         """
-        place, full = self.begin(start, parameters, near=near, origin=origin)
-        centre = self.centre(start, parameters, near=near, origin=origin)
+        return self.ode_of(
+            self.beginning(Start.of(start, parameters, near, origin)), outputs or {}, events
+        )
+
+    def ode_of(
+        self,
+        beginning: Beginning,
+        outputs: Mapping[str, object],
+        events: Iterable[At | When],
+    ) -> ODE:
+        """The same as `ode`, from a start that was read."""
+        place, states = beginning.first
+        ode = self.ode_at(place, states, beginning.written, outputs, events)
+        return replace(ode, centre=self._centre_of(beginning))
+
+    def ode_at(
+        self,
+        place: sp.Expr,
+        states: Mapping[str, sp.Expr],
+        parameters: Mapping[str, object],
+        outputs: Mapping[str, object],
+        events: Iterable[At | When],
+    ) -> ODE:
+        """The equations with numbers for all states at a place; other arguments as for `ode`."""
+        check_parameters(self.parameters, parameters)
         ends = [self._read_end(event) for event in events]
         rates, invariants, time = self.rates, self.invariants, self.variable
-        every = {**self.outputs, **self.read(outputs or {}, "output")}
-        numbers: dict[str, object] = {x: (parameters or {})[x] for x in self.parameters}
+        every = {**self.outputs, **self.read(outputs, "output")}
+        numbers: dict[str, object] = {x: parameters[x] for x in self.parameters}
         if place:
             taken = {*rates, *self.parameters, *every}
             time = next(x for x in ("s", "way", "way_s") if x not in taken)
@@ -336,16 +363,15 @@ class Reduction:
             rates, invariants = self._moved(rates, here), self._moved(invariants, here)
             every = {**self._moved(every, here), self.variable: here}
             ends = [self._moved_end(event, here) for event in ends]
-        ode = ODE.of(
+        return ODE.of(
             rates,
-            full,
+            states,
             parameters=numbers,
             invariants=invariants,
             outputs=every,
             time=time,
             events=ends,
         )
-        return ode if centre is None else replace(ode, centre=centre)
 
     def centre(
         self,
@@ -359,10 +385,13 @@ class Reduction:
 
         None where the equations have no pole at the origin. Arguments as for `complete`.
         """
-        known, values, guesses, place, centre = self._read(start, parameters, near, origin)
-        if centre is None:
+        return self._centre_of(self.beginning(Start.of(start, parameters, near, origin)))
+
+    def _centre_of(self, beginning: Beginning) -> StartCentre | None:
+        """The point of a regular solution from a start that was read; see `centre`."""
+        if beginning.centre is None:
             return None
-        return StartCentre(place, self.place_name, centre.states(values, known, guesses))
+        return StartCentre(beginning.place, self.place_name, beginning.states)
 
     def _read_end(self, event: At | When) -> At | When:
         """A condition of an event, with outputs replaced by their values."""

@@ -11,6 +11,7 @@ import numpy as np
 import sympy as sp
 
 from geomtorsion.errors import ArgumentError, GravityError
+from geomtorsion.gravity.reduced.beginning import Start
 from geomtorsion.gravity.stars.first_order import MOMENT, RADIAL, SIZE, SLOPE, SPIN, TIDE
 from geomtorsion.gravity.stars.first_order import love_number as love_number_of
 from geomtorsion.gravity.stars.structure import SURFACE, Structure
@@ -194,7 +195,7 @@ def star_of(
     # Invariants inside of functions, which vanish in flat space.
     usual = {x: 1 if x == "B" else 0 for x in names if x == "B" or x.startswith("S")}
     rough = usual if near is None else dict(near)
-    problem, depth = structure.ode(sp.Rational(eta), first, dict(parameters or {}), rough)
+    problem, depth = structure.ode(sp.Rational(eta), Start(first, parameters or {}, rough))
     solution = solve_ode(problem, float(depth), accuracy)
     if not solution.complete:
         raise GravityError(

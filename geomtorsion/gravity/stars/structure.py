@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from functools import lru_cache
 
@@ -11,6 +10,7 @@ import sympy as sp
 from geomtorsion.errors import GravityError
 from geomtorsion.exact import Element
 from geomtorsion.geometry import Frame, levi_civita
+from geomtorsion.gravity.reduced.beginning import Start
 from geomtorsion.gravity.reduced.reduction import Reduction
 from geomtorsion.gravity.stars import first_order
 from geomtorsion.gravity.stars.first_order import SIZE, R
@@ -62,6 +62,8 @@ class Structure:
                 f"got the coordinates {', '.join(map(str, frame.coordinates))}. Write the "
                 "frame with this radius."
             )
+        if _is_general(source):
+            return cls.of(matter[0])
         reduction = source.reduce("r", names_of_inner(source.inner, "r"))
         return cls(reduction, matter[0], _mass(frame), False)
 
@@ -90,25 +92,21 @@ class Structure:
         here = {ETA: _FIRST - _DEPTH}
         return {name: (one / falling).xreplace(here) for name, one in rates.items()}
 
-    def ode(
-        self,
-        eta: sp.Expr,
-        start: Mapping[str, object],
-        parameters: Mapping[str, object],
-        near: Mapping[str, object],
-    ) -> tuple[ODE, sp.Expr]:
+    def ode(self, eta: sp.Expr, start: Start) -> tuple[ODE, sp.Expr]:
         """The equations of the star with a value of eta at its centre, and its depth."""
         # A centre where two pieces meet belongs to the lower one: both agree there.
         pieces, last = self.matter.numbers, self.matter.piece_of(float(eta * (1 - SURFACE)))
-        numbers = {**parameters, **pieces[last]}
-        begin = {**start, "eta": eta, **({"K": 1, "w": 1} if self.tides else {})}
-        place, values = self.reduction.begin(begin, numbers, near=near)
+        numbers = {**start.parameters, **pieces[last]}
+        centre = {**start.values, "eta": eta, **({"K": 1, "w": 1} if self.tides else {})}
+        beginning = self.reduction.beginning(replace(start, values=centre, parameters=numbers))
+        place, values = beginning.first
         knot = sp.Rational(self.matter.knots[last])
         if values["eta"] <= knot:
             # Within this piece: eta falls with the square of the radius.
             share = sp.sqrt((eta - knot) / (eta - values["eta"])) / 2
             reach = place * sp.Rational(2) ** sp.floor(sp.log(share, 2).evalf())
-            place, values = self.reduction.begin(begin, numbers, near=near, reach=reach)
+            place, values = beginning.within(reach)
+        values = dict(values)
         first = values.pop("eta")
         values["r"] = place
         if self.tides:
@@ -138,6 +136,16 @@ def _frame() -> Frame:
     """A static metric whose spheres have the radius r."""
     legs = sp.diag(first_order.A, first_order.B, R, R * sp.sin(THETA))
     return Frame([T, R, THETA, PHI], legs, (-1, 1, 1, 1))
+
+
+def _is_general(source: FieldEquations) -> bool:
+    """Whether field equations are the ones of general relativity for the static metric here."""
+    scalars = {"levi-civita": sp.Symbol("R"), "cartan": -sp.Symbol("T")}
+    if len(source.connections) > 1 or len(source.matter) > 1:
+        return False
+    scalar = scalars.get(source.connections[0].kind)
+    own, other = (x.metric.to_sympy() for x in (source.frame, _frame()))
+    return scalar is not None and source.expression == scalar / (16 * sp.pi) and own == other
 
 
 @lru_cache(maxsize=8)

@@ -46,15 +46,19 @@ def windows_of(grid: Grid, plane: tuple[int, int], size: tuple[int, int]) -> Win
 
 
 def circuits(
-    sampled: Field, plane: tuple[int, int], size: tuple[int, int], rings: Rings | None = None
+    sampled: Field,
+    plane: tuple[int, int],
+    size: tuple[int, int],
+    rings: Rings | None = None,
+    sides: tuple[Sides, Sides] | None = None,
 ) -> Circuits:
     """b of all circuits of a size; the cost grows with the logarithm of the size.
 
     rings: around missing nodes, which circuits follow; without them, b is NaN where a side has a
-    missing node.
+    missing node. sides: along both axes, if another size has them.
     """
     grid, lines = sampled.grid, windows_of(sampled.grid, plane, size)
-    one, two = (Sides(sampled, k, m) for k, m in zip(plane, size, strict=True))
+    one, two = sides or (Sides(sampled, plane[0]), Sides(sampled, plane[1]))
     edges, passages = (one.values, two.values), None
     if rings is not None:
         passages = Passages(rings, lines)
@@ -86,7 +90,9 @@ def _errors(
     covariance: dict[tuple[int, int], np.ndarray] = {}
     if sampled.noise is not None:
         every, less = (
-            _spread(sampled.noise, grid, lines, one.spread(other), two.spread(other))
+            _spread(
+                sampled.noise, grid, lines, one.spread(size[0], other), two.spread(size[1], other)
+            )
             for other in (False, True)
         )
         covariance = {(i, j): c for (i, j), c in every.items() if i <= j}

@@ -15,6 +15,7 @@ from geomtorsion.loops import Arc, Cochain, Complex, EdgeIntegrals, Loop, Part
 from geomtorsion.loops.quadrature import ROUNDING
 from geomtorsion.materials.fields.grid import ORDERS, Grid
 from geomtorsion.materials.fields.noise import Noise, along
+from geomtorsion.materials.fields.pieces import halved, pieces_of_arc, pieces_of_edges
 from geomtorsion.materials.fields.stencils import SLACK, Blocks
 from geomtorsion.support.precision import CALCULATED
 
@@ -89,19 +90,18 @@ Measured = tuple[np.ndarray, np.ndarray, dict[str, float]]
 def sampled_burgers(field: Field, loop: Loop) -> Measured:
     """The integral of the interpolated coframe along a loop; see SampledFrame.burgers."""
     grid = field.grid
-    integrals = np.zeros((3, field.rows))
-    weights, differences = _Weights(grid), _Weights(grid)
-    gap = np.zeros(grid.dimension)
+    # The fine points give the result, the coarse points the error of the quadrature.
+    whole, halves, gap = [], [], np.zeros(grid.dimension)
     for part in loop.parts:
         for arc in part.arcs:
-            count = _stretches(grid, part, arc)
-            # The fine points give the result, the coarse points the error of the quadrature.
-            fine, other = _both(field, part, arc, 2 * count, (weights, differences))
-            coarse, _ = _both(field, part, arc, count)
-            integrals += part.times * np.array([fine, other, coarse])
+            pieces = pieces_of_arc(grid, part, arc, _stretches(grid, part, arc))
+            whole.append(_gauss_points(part, arc, *pieces))
+            halves.append(_gauss_points(part, arc, *halved(*pieces)))
             ends = part.points(arc, np.array([0.0, 1.0]))[0]
             gap += part.times * (ends[:, 1] - ends[:, 0])
-    fine, other, coarse = integrals
+    weights, differences = _Weights(grid), _Weights(grid)
+    fine, other = _both(field, *_joined(halves), (weights, differences))
+    coarse, _ = _both(field, *_joined(whole))
     if np.abs(gap).max() > CALCULATED * loop.size:
         grid.check_periods(gap)
         # The integral of the constant part around a period is not zero.
@@ -127,56 +127,68 @@ def unexplained(difference: np.ndarray, variance: np.ndarray) -> np.ndarray:
 
 
 def _stretches(grid: Grid, part: Part, arc: Arc) -> int:
-    """Number of pieces of an arc, so that each piece stays within a part of a cell."""
+    """Number of equal pieces of an arc, so that none is much longer than a cell; 1 if straight."""
     count = max(65, 16 * arc.waves + 1)
-    points, _ = part.points(arc, np.linspace(0, 1, count))
+    points, slopes = part.points(arc, np.linspace(0, 1, count))
+    if not np.ptp(slopes, axis=1).any():
+        return 1
     steps = np.abs(np.diff(points, axis=1)) / np.abs(np.array(grid.steps))[:, None]
-    # Two for each cell on the arc, because a single piece may contain the kink between two cells.
-    return max(4, math.ceil(2 * float(steps.sum(axis=1).max()) - SLACK), 4 * arc.waves)
+    return max(4, math.ceil(float(steps.sum(axis=1).max()) - SLACK), 4 * arc.waves)
+
+
+# Points, shape (d, k), and their weights in an integral of a one-form, shape (d, k).
+Points = tuple[np.ndarray, np.ndarray]
+
+
+def _gauss_points(part: Part, arc: Arc, starts: np.ndarray, lengths: np.ndarray) -> Points:
+    """Points and weights of a composite Gauss rule on pieces of an arc."""
+    x, w = _gauss()
+    s = (starts[:, None] + lengths[:, None] * (x + 1) / 2).ravel()
+    points, slopes = part.points(arc, s)
+    return points, part.times * slopes * (lengths[:, None] * w / 2).ravel()
+
+
+def _joined(every: Sequence[Points]) -> Points:
+    """The points and weights of several arcs."""
+    points, weights = (np.concatenate(x, axis=1) for x in zip(*every, strict=True))
+    return points, weights
 
 
 def _both(
     field: Field,
-    part: Part,
-    arc: Arc,
-    count: int,
+    points: np.ndarray,
+    weights: np.ndarray,
     collected: tuple[_Weights, _Weights] | None = None,
 ) -> tuple[np.ndarray, np.ndarray]:
-    """The integral along one arc by a composite Gauss rule, for the order and another order.
+    """The integral as a sum over points, for the order and another order, without the mean.
 
-    The integral omits the mean coframe. collected: receives the weights of the nodes in the sum,
-    and in the difference of both orders, if noise is known.
+    collected: receives the weights of the nodes in the sum, and in the difference of both orders,
+    if noise is known.
     """
-    x, w = _gauss()
-    s = ((np.arange(count)[:, None] + (x + 1) / 2) / count).ravel()
-    weights = np.tile(w / 2, count) / count
-    points, slopes = part.points(arc, s)
     known_nodes = field.grid.known
     places = field.grid.places(points, "loop")
     blocks = known_nodes.blocks(places, field.order)
     field.grid.refuse_holes(blocks.used, places, "loop")
     if collected is None:
-        return _sum(field, places, blocks, slopes, weights), np.zeros(field.rows)
+        return _sum(field, places, blocks, weights), np.zeros(field.rows)
     other = known_nodes.other(blocks, places, field.other_order)
     if field.noise is not None:
         for sign, chosen in ((1, blocks), (-1, other)):
             for rows, nodes, weight in known_nodes.terms(chosen, places):
-                each = part.times * slopes[:, rows] * weights[rows] * weight
+                each = weights[:, rows] * weight
                 collected[1].add(nodes, sign * each)
                 if sign == 1:
                     collected[0].add(nodes, each)
-    fine = _sum(field, places, blocks, slopes, weights)
-    return fine, _sum(field, places, other, slopes, weights)
+    fine = _sum(field, places, blocks, weights)
+    return fine, _sum(field, places, other, weights)
 
 
-def _sum(
-    field: Field, places: np.ndarray, blocks: Blocks, slopes: np.ndarray, weights: np.ndarray
-) -> np.ndarray:
-    """The integral along one arc, with values interpolated in blocks."""
+def _sum(field: Field, places: np.ndarray, blocks: Blocks, weights: np.ndarray) -> np.ndarray:
+    """The integral as a weighted sum of values that are interpolated in blocks."""
     n = field.grid.dimension
     flat = field.values.reshape(field.rows * n, *field.grid.shape)
     values = field.grid.known.interpolated(flat, blocks, places).reshape(field.rows, n, -1)
-    return np.einsum("imk,mk,k->i", values, slopes, weights)
+    return np.einsum("imk,mk->i", values, weights)
 
 
 def edge_cochain(field: Field) -> Cochain:
@@ -250,9 +262,7 @@ def _edge_sums(
     """
     grid = field.grid
     steps = ends - starts
-    crossed = (np.abs(steps) / np.abs(np.array(grid.steps))).sum(axis=1)
-    # Two pieces for each crossed cell, as along a loop.
-    counts = np.maximum(1, np.ceil(2 * crossed - SLACK).astype(int))
+    pieces = pieces_of_edges(grid, starts, ends)
     nodes, weights = _gauss()
     nodes, weights = (nodes + 1) / 2, weights / 2
     flat = field.values.reshape(-1, *grid.shape)
@@ -269,13 +279,12 @@ def _edge_sums(
                     (each, (edge[rows], keys)), shape=sums[mu].shape
                 )
 
-    def summed(share: int, both: bool) -> list[np.ndarray]:
-        stretches = share * counts
-        owner = np.repeat(np.arange(len(starts)), stretches)
-        number = np.arange(len(owner)) - np.repeat(np.cumsum(stretches) - stretches, stretches)
-        s = ((number[:, None] + nodes) / stretches[owner][:, None]).ravel()
+    def summed(
+        owner: np.ndarray, first: np.ndarray, length: np.ndarray, both: bool
+    ) -> list[np.ndarray]:
+        s = (first[:, None] + length[:, None] * nodes).ravel()
         edge = np.repeat(owner, GAUSS)
-        weight = np.tile(weights, len(owner)) / stretches[edge]
+        weight = (length[:, None] * weights).ravel()
         places = grid.places((starts[edge] + s[:, None] * steps[edge]).T, "edge")
         blocks = grid.known.blocks(places, field.order)
         grid.refuse_holes(blocks.used, places, "edge")
@@ -292,5 +301,7 @@ def _edge_sums(
             parts.append(np.stack([np.bincount(edge, row, len(starts)) for row in each], axis=1))
         return parts
 
-    (fine, other), (coarse,) = summed(2, True), summed(1, False)
-    return fine, other, coarse, sums, 5 * int(counts.sum()) * GAUSS
+    owner, first, length = pieces
+    halves = np.repeat(owner, 2), *halved(first, length)
+    (fine, other), (coarse,) = summed(*halves, True), summed(*pieces, False)
+    return fine, other, coarse, sums, 5 * len(owner) * GAUSS

@@ -35,14 +35,13 @@ class Spread:
 
 @dataclass(frozen=True, eq=False)
 class Sides:
-    """Integrals along the edges of an axis, for sides of `edges` edges from each node.
+    """Integrals along the edges of an axis, which all sizes of circuits share.
 
     Errors are computed at first use.
     """
 
     field: Field
     axis: int
-    edges: int
 
     @cached_property
     def _rule(self) -> Rule:
@@ -72,12 +71,12 @@ class Sides:
              for i in range(field.rows)]
         )  # fmt: skip
 
-    def spread(self, less_other: bool) -> Spread:
-        """Noise of the integrals, or of their differences from another order."""
+    def spread(self, edges: int, less_other: bool) -> Spread:
+        """Noise of sides of so many edges, or of their differences from another order."""
         field = self.field
         assert field.noise is not None
         rules = _Rules(
-            field.grid, self.axis, self.edges, self._rule, self._rule.other, field.order,
+            field.grid, self.axis, edges, self._rule, self._rule.other, field.order,
             field.noise,
         )  # fmt: skip
         return rules.spread(less_other)

@@ -11,7 +11,7 @@ from geomtorsion.errors import UnknownNameError
 from geomtorsion.prices.effects.sensitivity import Sensitivity
 from geomtorsion.support.checks import known_name
 from geomtorsion.support.displays import Plot, drawn_by, figure_by
-from geomtorsion.support.outgoing import size_text
+from geomtorsion.support.outgoing import json_number, size_text
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -218,9 +218,9 @@ class EffectBudget:
                 {
                     "effect": row.effect,
                     "included": row.included,
-                    "influence": _finite(row.influence),
+                    "influence": json_number(row.influence),
                     "quantity": row.quantity,
-                    "changes": {name: _finite(size) for name, size in row.changes.items()},
+                    "changes": {name: json_number(size) for name, size in row.changes.items()},
                     "equations": row.equations,
                     "seconds": row.seconds,
                     "note": row.note,
@@ -228,8 +228,3 @@ class EffectBudget:
                 for row in self.rows
             ],
         }
-
-
-def _finite(value: float) -> float | None:
-    """A number that JSON knows."""
-    return value if math.isfinite(value) else None

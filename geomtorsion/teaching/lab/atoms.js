@@ -2,7 +2,7 @@
 // A circuit from atom to atom. The element #data holds the crystals as JSON, each bond with its
 // nearest lattice vector. Nothing is rounded here: whole numbers are added.
 (() => {
-  const crystals = JSON.parse(document.getElementById("data").textContent);
+  const { crystals, text } = JSON.parse(document.getElementById("data").textContent);
   const [which, crystal, image, result] = ["which", "crystal", "image", "result"].map((id) => document.getElementById(id));
   const PATH = "#0072B2", IMAGE = "#007a59", GAP = "#C24E00", INK = "#1d2330", PALE = "#c9ccd1";
   let atoms, steps, path, low, high;
@@ -87,14 +87,13 @@
   }
   function resultText(last, places) {
     const n = path.length - 1;
-    if (n < 0) return "Click an atom to start. Click other atoms to step to them along the bonds, and come back to the first atom.";
-    if (!closed()) return `${n} ${n === 1 ? "step" : "steps"} with the sum ${vector(last)} in lattice vectors. Come back to the first atom, the black dot.`;
+    const filled = (key, sense) => text[key].replace("{n}", n).replace("{b}", vector(last)).replace("{sense}", text[sense]);
+    if (n < 0) return text.begin;
+    if (!closed()) return filled(n === 1 ? "step" : "steps");
     let area = 0;
     places.forEach((p, k) => { const q = places[(k + 1) % places.length]; area += p[0] * q[1] - q[0] * p[1]; });
-    const sense = Math.abs(area) < 1e-9 ? "" : area > 0 ? ", anticlockwise" : ", clockwise";
-    if (!last[0] && !last[1]) return `${n} steps${sense}: the circuit closes in the crystal and in the perfect lattice, so b = (0, 0). It encloses no dislocation, or several that cancel.`;
-    const other = area > 0 ? "clockwise" : "anticlockwise";
-    return `${n} steps${sense}: the circuit closes in the crystal, but not in the perfect lattice. Its gap from start to end is b = ${vector(last)} in lattice vectors, for every circuit around the same dislocations. A ${other} circuit changes the sign of b.`;
+    const sense = Math.abs(area) < 1e-9 ? "straight" : area > 0 ? "anticlockwise" : "clockwise";
+    return filled(last[0] || last[1] ? "open" : "closed", sense);
   }
   function vector(v) { return `(${v.map((x) => String(x).replace("-", "−")).join(", ")})`; }
 

@@ -12,14 +12,15 @@ import numpy as np
 
 from geomtorsion.loops import Cochain
 from geomtorsion.teaching.exercises.worker_pool import Json
-from geomtorsion.teaching.lab.plot import SAVE, saving
+from geomtorsion.teaching.lab.plot import save, saving
+from geomtorsion.teaching.texts import ENGLISH, code_of, texts
 
 # Name of a crystal -> its edge dislocations: position, and b along x of the displacement.
 CRYSTALS: dict[str, tuple[tuple[float, float, int], ...]] = {
-    "one edge dislocation": ((0.0, 0.0, 1),),
-    "two equal dislocations": ((-3.0, 0.0, 1), (3.0, 0.0, 1)),
-    "two opposite dislocations": ((-3.0, 0.0, 1), (3.0, 0.0, -1)),
-    "no dislocation": (),
+    "one": ((0.0, 0.0, 1),),
+    "equal": ((-3.0, 0.0, 1), (3.0, 0.0, 1)),
+    "opposite": ((-3.0, 0.0, 1), (3.0, 0.0, -1)),
+    "none": (),
 }
 # Half the numbers of columns and rows.
 SIZE = (8, 6)
@@ -55,7 +56,7 @@ def crystal(name: str) -> Json:
 
     Examples
     --------
-    >>> perfect = crystal("no dislocation")
+    >>> perfect = crystal("none")
     >>> len(perfect["atoms"]), len(perfect["bonds"])
     (221, 412)
     """
@@ -88,7 +89,7 @@ def closure(name: str, path: Sequence[int]) -> list[int]:
 
     Examples
     --------
-    >>> closure("no dislocation", [0, 1, 18, 17])
+    >>> closure("none", [0, 1, 18, 17])
     [0, 0]
     """
     data = crystal(name)
@@ -97,7 +98,7 @@ def closure(name: str, path: Sequence[int]) -> list[int]:
     return labels.around(list(path)).vector.tolist()
 
 
-def atoms() -> Json:
+def atoms(language: str = ENGLISH) -> Json:
     """The picture as an HTML document with all it needs: click atoms, see the image beside them.
 
     Returns
@@ -110,27 +111,36 @@ def atoms() -> Json:
     >>> "http" in page.replace("http://www.w3.org", ""), page.count("<svg")
     (False, 2)
     """
-    data = json.dumps({name: crystal(name) for name in CRYSTALS}, separators=(",", ":"))
-    options = "".join(f"<option>{escape(name)}</option>" for name in CRYSTALS)
+    text = texts("figures", "atoms", language)
+    content = {"crystals": {name: crystal(name) for name in CRYSTALS}, "text": text.table("script")}
+    # In a script element only the end tag of the element ends the text.
+    data = json.dumps(content, separators=(",", ":")).replace("</", "<\\/")
+    options = "".join(
+        f'<option value="{name}">{escape(label)}</option>'
+        for name, label in text.table("crystals").items()
+    )
     script = Path(__file__).with_name("atoms.js").read_text("utf-8")
-    title = "A circuit from atom to atom"
+
+    def shown(key: str) -> str:
+        return escape(text(key))
+
     page = (
-        '<!doctype html><html lang="en"><head><meta charset="utf-8">'
-        f"<title>{title}</title><style>{_STYLE}</style></head><body>"
-        '<div class="bar"><label>crystal with <select id="which">'
-        f'{options}</select></label><button id="example" type="button">Show a circuit</button>'
-        '<button id="back" type="button">Step back</button>'
-        '<button id="restart" type="button">Start again</button></div>'
+        f'<!doctype html><html lang="{escape(code_of(language))}"><head><meta charset="utf-8">'
+        f"<title>{shown('title')}</title><style>{_STYLE}</style></head><body>"
+        f'<div class="bar"><label>{shown("crystal")} <select id="which">{options}</select></label>'
+        f'<button id="example" type="button">{shown("example")}</button>'
+        f'<button id="back" type="button">{shown("back")}</button>'
+        f'<button id="restart" type="button">{shown("restart")}</button></div>'
         '<p id="result" role="status"></p><div class="pair"><figure>'
-        "<figcaption>The crystal: click from atom to atom</figcaption>"
-        '<svg id="crystal" tabindex="0" role="application" aria-label="crystal; the arrow keys '
-        'step from atom to atom"></svg>'
-        f"{SAVE}</figure>"
-        "<figure><figcaption>The same steps in a perfect lattice</figcaption>"
-        '<svg id="image" role="img" aria-label="the steps in a perfect lattice"></svg>'
-        f"{SAVE}</figure>"
+        f"<figcaption>{shown('first')}</figcaption>"
+        '<svg id="crystal" tabindex="0" role="application" '
+        f'aria-label="{shown("crystal_label")}"></svg>'
+        f"{save(language)}</figure>"
+        f"<figure><figcaption>{shown('second')}</figcaption>"
+        f'<svg id="image" role="img" aria-label="{shown("image_label")}"></svg>'
+        f"{save(language)}</figure>"
         "</div>"
         f'<script type="application/json" id="data">{data}</script>'
         f"<script>{script}{saving()}</script></body></html>"
     )
-    return {"space": page, "title": title}
+    return {"space": page, "title": text("title")}

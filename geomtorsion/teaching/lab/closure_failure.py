@@ -25,6 +25,7 @@ from geomtorsion.teaching.lab.numbers import names_text, raised, shown, table
 from geomtorsion.teaching.lab.plot import beside, mark, plane, svg
 from geomtorsion.teaching.lab.settings import PAGE
 from geomtorsion.teaching.lab.space_info import is_around_the_axis, space_of
+from geomtorsion.teaching.texts import ENGLISH, Texts, texts
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -35,7 +36,11 @@ PATH, IMAGE = SERIES[0], SERIES[2]
 
 
 def closure_failure(
-    space: str, centre: Sequence[float], radius: float, plane: Sequence[int]
+    space: str,
+    centre: Sequence[float],
+    radius: float,
+    plane: Sequence[int],
+    language: str = ENGLISH,
 ) -> Json:
     """A circle about a point of a shipped space and its Burgers vector, drawn and tabulated.
 
@@ -45,6 +50,8 @@ def closure_failure(
         In coordinates.
     plane
         Two coordinates, by number.
+    language
+        of the words in pictures, table and sentence.
 
     Returns
     -------
@@ -60,8 +67,9 @@ def closure_failure(
     frame = space_of(space).frame
     values = dict(first_motion(frame).parameters)
     first, second = plane
+    text = texts("figures", "loop", language)
     if is_around_the_axis(space, centre, plane):
-        return _around_the_axis(frame, values, [float(x) for x in centre], float(radius))
+        return _around_the_axis(frame, values, [float(x) for x in centre], float(radius), text)
     loop = Loop.circle([float(x) for x in centre], float(radius), (first, second))
     b = burgers_vector(_without_domain(frame), loop, parameters=values)
     expected = density(frame, b, first, second)
@@ -69,9 +77,14 @@ def closure_failure(
     # Enough points for a smooth curve at 520 pixels, few enough to send with each move of a slider.
     drawn = hodograph(b, 160)
     return {
-        "pictures": [_path_picture(drawn, names, first, second), _image_picture(drawn, b)],
-        "table": _table(b, expected),
-        "sentence": _sentence(b, expected, names, (first, second)) + _outside(frame, b),
+        "pictures": [
+            _path_picture(drawn, names, first, second, text),
+            _image_picture(drawn, b, text),
+        ],
+        "table": _table(b, expected, text),
+        "sentence": " ".join(
+            [*_sentences(b, expected, names, (first, second), text), *_outside(frame, b, text)]
+        ),
         "b": np.real(b.vector).tolist(),
         "expected": expected,
         "error": float(b.error),
@@ -79,7 +92,7 @@ def closure_failure(
 
 
 def _around_the_axis(
-    frame: Frame, values: Mapping[str, float], centre: Sequence[float], radius: float
+    frame: Frame, values: Mapping[str, float], centre: Sequence[float], radius: float, text: Texts
 ) -> Json:
     """Reply for a circle about the axis of polar coordinates: legs may come back rotated."""
     s = sp.Symbol("s", real=True)
@@ -96,21 +109,16 @@ def _around_the_axis(
     circle = radius * np.array([np.cos(angles), np.sin(angles)])
     closed = bool(np.hypot(*motion.burgers[:2]) <= motion.error)
     turn = motion.angle
-    text = (
-        f"The legs come back turned by {turn:.6g} rad (the Frank vector). A line with this "
-        "property is a disclination. b depends on the start of the loop."
-        if abs(turn) > motion.turn_error + motion.error
-        else "The legs come back unchanged, and b = 0 for circles around the axis. The torsion "
-        "around the axis is not zero, so other loops can have b ≠ 0."
-    )
+    is_turned = abs(turn) > motion.turn_error + motion.error
+    sentence = text("turned", angle=f"{turn:.6g}") if is_turned else text("unchanged")
     rows = [[f"b{raised(k)}", shown(x, motion.error)] for k, x in enumerate(motion.burgers)]
     return {
         "pictures": [
-            _loop(circle, "The loop around the axis: it closes", ("r cos φ", "r sin φ"), "axis"),
-            _image(image[:2], _image_title(closed), ("X¹", "X²"), closed=closed),
+            _loop(circle, text("around"), ("r cos φ", "r sin φ"), text("axis"), text),
+            _image(image[:2], _image_title(closed, text), ("X¹", "X²"), text, closed=closed),
         ],
-        "table": table(("", "b"), rows, "Burgers vector b at the start of the loop"),
-        "sentence": text,
+        "table": table(("", "b"), rows, text("caption_start")),
+        "sentence": sentence,
         "b": motion.burgers.tolist(),
         "expected": [0.0] * len(centre),
         "error": float(motion.error),
@@ -130,19 +138,16 @@ def _without_domain(frame: Frame) -> Frame:
     )
 
 
-def _outside(frame: Frame, b: BurgersVector) -> str:
-    """Message about a loop that leaves the domain of its coordinates; otherwise empty."""
+def _outside(frame: Frame, b: BurgersVector, text: Texts) -> list[str]:
+    """A sentence about a loop that leaves the domain of its coordinates; otherwise empty."""
     at = b.loop.points(PAGE.samples)
     names = [symbol.name for symbol in (*frame.coordinates, *frame.parameters)]
     place = [*np.real(at), *(b.parameters[p.name] for p in frame.parameters)]
     for edge in edges_of(frame):
         [inside] = graph(names, [edge.element.sympy]).numpy()(*place)
         if np.min(inside) < 0:
-            return (
-                f" The circle leaves these coordinates ({edge.condition}). The page uses the same "
-                "formulas for the coframe outside of them."
-            )
-    return ""
+            return [text("outside", condition=edge.condition)]
+    return []
 
 
 def density(frame: Frame, b: BurgersVector, first: int, second: int) -> list[float]:
@@ -163,16 +168,18 @@ def density(frame: Frame, b: BurgersVector, first: int, second: int) -> list[flo
     return [float(x) * area for x in result]
 
 
-def _loop(points: np.ndarray, title: str, labels: tuple[str, str], centre: str) -> str:
+def _loop(points: np.ndarray, title: str, labels: tuple[str, str], centre: str, text: Texts) -> str:
     """A loop around the origin, with its base point and its sense."""
     figure, axes = plane(title, labels, equal=True)
     _curve(axes, points, PATH)
     mark(axes, (0.0, 0.0), START, "X", centre)
-    mark(axes, points[:, 0], START, "o", "start = end")
-    return svg(figure)
+    mark(axes, points[:, 0], START, "o", text("both"))
+    return svg(figure, text.language)
 
 
-def _image(points: np.ndarray, title: str, labels: tuple[str, str], *, closed: bool) -> str:
+def _image(
+    points: np.ndarray, title: str, labels: tuple[str, str], text: Texts, *, closed: bool
+) -> str:
     """The image of a loop; if it is not closed, with an arrow from its start to its end."""
     figure, axes = plane(title, labels, equal=True)
     _curve(axes, points, IMAGE)
@@ -180,9 +187,9 @@ def _image(points: np.ndarray, title: str, labels: tuple[str, str], *, closed: b
     if not closed:
         arrow(axes, start, end, GAP, 2.4)
         beside(axes, (start + end) / 2, GAP, "b")
-        mark(axes, end, GAP, "^", "end")
-    mark(axes, start, START, "o", "start")
-    return svg(figure)
+        mark(axes, end, GAP, "^", text("end"))
+    mark(axes, start, START, "o", text("start"))
+    return svg(figure, text.language)
 
 
 def _curve(axes: Axes, points: np.ndarray, stroke: Stroke) -> None:
@@ -190,19 +197,22 @@ def _curve(axes: Axes, points: np.ndarray, stroke: Stroke) -> None:
     sense(axes, points, stroke.color)
 
 
-def _image_title(closed: bool) -> str:
-    return f"Its image in the frame: {'it closes' if closed else 'it does not close'}"
+def _image_title(closed: bool, text: Texts) -> str:
+    return text("closed" if closed else "open")
 
 
-def _path_picture(drawn: Hodograph, names: list[str], first: int, second: int) -> str:
+def _path_picture(drawn: Hodograph, names: list[str], first: int, second: int, text: Texts) -> str:
     """The loop in its plane, in coordinates."""
-    unit = f", in {drawn.unit}" if drawn.unit else ""
-    labels = [f"{names[k]} − centre{unit}" for k in (first, second)]
-    title = "The loop, in coordinates: it closes"
-    return _loop(drawn.path[[first, second]], title, (labels[0], labels[1]), "centre")
+    offsets = (text("offset", name=names[k]) for k in (first, second))
+    one, two = (_with_unit(offset, drawn.unit, text) for offset in offsets)
+    return _loop(drawn.path[[first, second]], text("title"), (one, two), text("centre"), text)
 
 
-def _image_picture(drawn: Hodograph, b: BurgersVector) -> str:
+def _with_unit(label: str, unit: str, text: Texts) -> str:
+    return text("label", label=label, unit=unit) if unit else label
+
+
+def _image_picture(drawn: Hodograph, b: BurgersVector, text: Texts) -> str:
     """The image in the frame, seen from the side from which the gap is widest."""
     curve = np.real(drawn.image)
     widths = np.ptp(curve, axis=1)
@@ -211,14 +221,14 @@ def _image_picture(drawn: Hodograph, b: BurgersVector) -> str:
     main = int(gap.argmax()) if gap.max() > 1e-9 * widths.max() else int(widths.argmax())
     others = [k for k in range(len(widths)) if k != main]
     i, k = sorted((main, max(others, key=lambda j: widths[j])))
-    grown = "" if drawn.magnified == 1 else f", gap × {number(drawn.magnified)}"
-    unit = f", in {drawn.unit}" if drawn.unit else ""
-    labels = (f"X{raised(i)}{unit}", f"X{raised(k)}{unit}")
-    title = _image_title(b.vanishes) + grown
-    return _image(curve[[i, k]], title, labels, closed=b.vanishes)
+    one, two = (_with_unit(f"X{raised(j)}", drawn.unit, text) for j in (i, k))
+    title = _image_title(b.vanishes, text)
+    if drawn.magnified != 1:
+        title = text("grown", title=title, times=number(drawn.magnified))
+    return _image(curve[[i, k]], title, (one, two), text, closed=b.vanishes)
 
 
-def _table(b: BurgersVector, expected: Sequence[float]) -> str:
+def _table(b: BurgersVector, expected: Sequence[float], text: Texts) -> str:
     """Both results, component by component, and the prediction for a small loop."""
     flux = b.check.flux
     rows = []
@@ -232,37 +242,34 @@ def _table(b: BurgersVector, expected: Sequence[float]) -> str:
                 shown(expected[k], 0.0),
             ]
         )
-    heads = ("", "b", "around the loop", "flux of torsion", "2 S A at the centre")
-    return table(heads, rows, "Burgers vector, frame components")
+    heads = ("", "b", text("line"), text("flux"), text("small"))
+    return table(heads, rows, text("caption"))
 
 
-def _sentence(
-    b: BurgersVector, expected: Sequence[float], names: Sequence[str], plane: tuple[int, int]
-) -> str:
+def _sentences(
+    b: BurgersVector,
+    expected: Sequence[float],
+    names: Sequence[str],
+    plane: tuple[int, int],
+    text: Texts,
+) -> list[str]:
     """Description of the pictures in words."""
-    around = names_text([names[k] for k in plane])
-    area = float(b.loop.area[plane])
-    text = f"Area A = {number(float(f'{area:.6g}'))} in the plane of {around}. "
+    around = names_text([names[k] for k in plane], text.language)
+    area, error = float(b.loop.area[plane]), size_text(b.error, 0)
+    first = text("area", area=number(float(f"{area:.6g}")), plane=around)
     if b.vanishes:
-        return (
-            text
-            + f"The image closes: b = 0, error below {size_text(b.error, 0)}. "
-            + f"Two computations: {b.check.text}."
-        )
-    text += f"|b| = {b.magnitude:.6g}, error below {size_text(b.error, 0)}. "
+        return [first, text("closes", error=error, check=b.check.text)]
+    sentences = [first, text("gap", size=f"{b.magnitude:.6g}", error=error)]
     if b.enclosed and not any(expected):
-        defects = names_text([str(defect) for defect in b.enclosed])
-        return (
-            f"{text}The loop encloses {defects}. The torsion is zero on the loop, so the flux and "
-            "2 S A are 0, and all of b comes from the line inside the loop."
-        )
+        defects = names_text([str(defect) for defect in b.enclosed], text.language)
+        return [*sentences, text("encloses", defects=defects)]
     largest = max(abs(x) for x in expected)
     if largest:
         miss = max(abs(x - y) for x, y in zip(np.real(b.vector), expected, strict=True)) / largest
         # Where torsion is constant along the loop, 2 S A is b itself: the rest is rounding.
         if miss <= max(b.error / largest, CALCULATED):
-            text += "2 S A agrees with b within its error. "
+            sentences.append(text("agrees"))
         else:
             share = f"{miss:.1%}" if miss > 1e-3 else f"{miss:.0e}"
-            text += f"2 S A differs from b by {share}; it is exact only for very small loops. "
-    return f"{text}Two computations: {b.check.text}."
+            sentences.append(text("differs", share=share))
+    return [*sentences, text("check", check=b.check.text)]

@@ -10,22 +10,21 @@ from geomtorsion.teaching.lab.paths import curves_of, times_of
 from geomtorsion.teaching.lab.settings import PAGE
 from geomtorsion.teaching.lab.space_info import space_of
 from geomtorsion.teaching.lab.turning import Film, in_space
+from geomtorsion.teaching.texts import ENGLISH, texts
 
-LABELS = {
-    "autoparallel": "keeps its compass course (straightest)",
-    "geodesic": "sails along a great circle (shortest)",
-}
 # Colatitude and longitude of the start, near the equator.
 START = (1.5, 0.0)
 
 
-def compass(course: float) -> Json:
+def compass(course: float, language: str = ENGLISH) -> Json:
     """Both paths on the unit sphere.
 
     Parameters
     ----------
     course
         from north to east, degrees.
+    language
+        of the words in the picture.
 
     Returns
     -------
@@ -46,10 +45,10 @@ def compass(course: float) -> Json:
         accuracy=PAGE.accuracy,
         samples=PAGE.samples,
     )
+    text = texts("figures", "compass", language)
     scene = Film(
-        "compass", "Two ships on one globe", ("0°", "90°", "north"),
-        curves_of(pair, LABELS), times=times_of(pair), globe=1.0, equal=True, turn=1.3,
-        note="Black dot: the start. Pale lines: behind the globe. 0° and 90°: longitudes. t: the "
-        "length of each path in radii of the globe.",
+        "compass", text("title"), ("0°", "90°", text("north")),
+        curves_of(pair, text), times=times_of(pair), globe=1.0, equal=True, turn=1.3,
+        note=text("note"), language=language,
     )  # fmt: skip
     return in_space(scene)

@@ -15,7 +15,7 @@ from geomtorsion.teaching.lab.space_info import drawable
 from geomtorsion.teaching.lab.top import SWITCHES, WATCHED
 from geomtorsion.teaching.lab.uploads import TEXT_MAPS
 from geomtorsion.teaching.lab.views import intro
-from geomtorsion.teaching.texts import ENGLISH
+from geomtorsion.teaching.texts import ENGLISH, Texts, texts
 
 if TYPE_CHECKING:
     from marimo import ui
@@ -32,9 +32,8 @@ BODIES = {"so3": 3, "so3_zxz": 3, "so3_xyz": 3, "so3_zyx": 3, "so3_quaternion": 
 # Default space of a list if the address of the page names none.
 COURSES = (70, 110)
 FIRST_LOOP, FIRST_PATH = "so3", "r3xso3"
-# Thresholds of grains, degrees, and the option that keeps the symmetry of the file.
+# Thresholds of grains, degrees.
 THRESHOLDS = (0.5, 1.0, 1.5, 2.0, 3.0, 4.0, 5.0, 7.5, 10.0, 15.0, 20.0)
-AS_IN_FILE = "as in the file"
 # Moments of inertia (kg m^2), angular velocity (rad/s), tilt (rad) and time (s) of the top.
 # A long symmetric body: its cones are circular and touch from outside, which is easy to see.
 BODY = {"I": (2.0, 2.0, 1.0), "w": (1.0, 0.0, 2.0), "tilt": 0.3, "t": 12.0}
@@ -51,19 +50,25 @@ def tabs(mo: ModuleType, query: Query, language: str = ENGLISH) -> ui.tabs:
     )
 
 
-def course(mo: ModuleType, query: Query) -> ui.slider:
+def course(mo: ModuleType, query: Query, language: str = ENGLISH) -> ui.slider:
     """A slider for the course of a ship."""
     [angle] = query.numbers("course", [COURSES], [PAGE.course])
-    label = "course in degrees from north to east"
+    label = _text(language)("course")
     return mo.ui.slider(*COURSES, 5, value=round(angle / 5) * 5, label=label, show_value=True)
 
 
-def spaces(mo: ModuleType, chosen: str, query: Query, key: str) -> ui.dropdown:
+def spaces(
+    mo: ModuleType, chosen: str, query: Query, key: str, language: str = ENGLISH
+) -> ui.dropdown:
     """A list of the spaces that can be drawn."""
     options = drawable()
     space = query.one_of(key, list(options.values()), chosen)
     [first] = [title for title, name in options.items() if name == space]
-    return mo.ui.dropdown(options, value=first, label="space")
+    return mo.ui.dropdown(options, value=first, label=_text(language)("space"))
+
+
+def _text(language: str, heading: str = "controls") -> Texts:
+    return texts("figures", heading, language)
 
 
 def with_unit(name: str) -> str:
@@ -81,7 +86,7 @@ def with_unit(name: str) -> str:
 # -- loops -------------------------------------------------------------------------------------
 
 
-def place(mo: ModuleType, info: Json, query: Query) -> ui.dictionary:
+def place(mo: ModuleType, info: Json, query: Query, language: str = ENGLISH) -> ui.dictionary:
     """A list of the planes of two coordinates, and a slider for each coordinate of a centre."""
     options = {_plane_text(info, pair): pair for pair in info["planes"]}
     plane = query.one_of("plane", list(options), next(iter(options)))
@@ -89,7 +94,7 @@ def place(mo: ModuleType, info: Json, query: Query) -> ui.dictionary:
     usual = [_between(x, *ends) for x, ends in zip(info["loop_centre"], ranges, strict=True)]
     at = query.numbers("centre", ranges, usual)
     return mo.ui.dictionary(
-        {"plane": mo.ui.dropdown(options, value=plane, label="plane")}
+        {"plane": mo.ui.dropdown(options, value=plane, label=_text(language)("plane"))}
         | {
             name: mo.ui.slider(low, high, step, value=x, label=with_unit(name), show_value=True)
             for name, (low, high, step), x in zip(
@@ -108,10 +113,11 @@ def _between(value: float, low: float, high: float) -> float:
     return min(max(value, low), high)
 
 
-def radius(mo: ModuleType, query: Query) -> ui.slider:
+def radius(mo: ModuleType, query: Query, language: str = ENGLISH) -> ui.slider:
     """A slider for the radius of a circle, tiny ones included."""
     text = query.one_of("radius", [f"{x:g}" for x in RADII], f"{PAGE.radius:g}")
-    return mo.ui.slider(steps=list(RADII), value=float(text), label="radius", show_value=True)
+    label = _text(language)("radius")
+    return mo.ui.slider(steps=list(RADII), value=float(text), label=label, show_value=True)
 
 
 def loop_case(info: Json, place: Json, size: float) -> Json:
@@ -134,43 +140,47 @@ def loop_query(info: Json, place: Json, size: float) -> dict[str, tuple[str, str
 # -- an uploaded map or image -------------------------------------------------------------------
 
 
-def upload(mo: ModuleType) -> ui.file:
+def upload(mo: ModuleType, language: str = ENGLISH) -> ui.file:
     """A field for one file of a map; it refuses files above the stated size."""
     ends = [".npz", ".csv", *TEXT_MAPS, ".txt", ".png", ".tif", ".tiff", ".npy"]
-    label = f"choose a file of at most {PAGE.upload / 1e6:g} MB"
+    label = _text(language, "maps")("upload", megabytes=f"{PAGE.upload / 1e6:g}")
     return mo.ui.file(ends, kind="button", max_size=PAGE.upload, label=label)
 
 
-def map_settings(mo: ModuleType, facts: Json) -> ui.dictionary:
+def map_settings(mo: ModuleType, facts: Json, language: str = ENGLISH) -> ui.dictionary:
     """How a file of orientations is read: grains, the phase that is shown, its symmetry."""
     settings = facts.get("settings") or {}
     if not settings:
         return mo.ui.dictionary({})
-    phases = {"all": 0} | {f"{number}: {name}": number for number, name in settings["phases"]}
-    groups = {AS_IN_FILE: ""} | {name: name for name in settings["groups"]}
+    text = _text(language, "maps")
+    phases = {text("all"): 0} | {f"{number}: {name}": number for number, name in settings["phases"]}
+    groups = {text("as_in_file"): ""} | {name: name for name in settings["groups"]}
     return mo.ui.dictionary(
         {
             "threshold": mo.ui.slider(
                 steps=list(THRESHOLDS), value=settings["threshold"], show_value=True,
-                label="least angle between grains in degrees",
+                label=text("threshold"),
             ),
-            "phase": mo.ui.dropdown(phases, value="all", label="shown phase"),
-            "laue": mo.ui.dropdown(groups, value=AS_IN_FILE, label="Laue group"),
+            "phase": mo.ui.dropdown(phases, value=text("all"), label=text("phase")),
+            "laue": mo.ui.dropdown(groups, value=text("as_in_file"), label=text("laue")),
         }
     )  # fmt: skip
 
 
-def map_measure(mo: ModuleType) -> ui.radio:
+def map_measure(mo: ModuleType, language: str = ENGLISH) -> ui.radio:
     """Whether positions and sizes are in pixels or in the unit of the map."""
-    options = {"pixels": False, "unit of the map": True}
-    return mo.ui.radio(options, value="pixels", label="sliders count in", inline=True)
+    text = _text(language, "maps")
+    options = {text("pixels"): False, text("units"): True}
+    return mo.ui.radio(options, value=text("pixels"), label=text("measure"), inline=True)
 
 
-def map_places(mo: ModuleType, facts: Json, measured: bool) -> ui.dictionary:
+def map_places(
+    mo: ModuleType, facts: Json, measured: bool, language: str = ENGLISH
+) -> ui.dictionary:
     """A slider for each coordinate of the middle of a square, one for its side."""
     if "shape" not in facts:
         return mo.ui.dictionary({})
-    least = facts["least"]
+    least, text = facts["least"], _text(language, "maps")
     sliders = {}
     for name, count, start, step, at in zip(
         facts["names"], facts["shape"], facts["starts"], facts["steps"], facts["middle"],
@@ -180,7 +190,7 @@ def map_places(mo: ModuleType, facts: Json, measured: bool) -> ui.dictionary:
         sliders[name] = mo.ui.slider(
             steps=_stations(ends[0], count, abs(step) if measured else 1),
             value=_stations(ends[0], count, abs(step) if measured else 1)[at],
-            label=f"centre {name}{_map_unit(facts, measured)}",
+            label=_in_unit(text("centre", name=name), facts, measured, text),
             show_value=True,
         )
     step = abs(facts["steps"][0]) if measured else 1
@@ -188,7 +198,7 @@ def map_places(mo: ModuleType, facts: Json, measured: bool) -> ui.dictionary:
     sliders["side"] = mo.ui.slider(
         steps=sides,
         value=sides[facts["side"] - least],
-        label=f"side of the square{_map_unit(facts, measured)}",
+        label=_in_unit(text("side"), facts, measured, text),
         show_value=True,
     )
     return mo.ui.dictionary(sliders)
@@ -199,11 +209,11 @@ def _stations(first: float, count: int, step: float) -> list[float]:
     return [float(f"{first + step * k:.9g}") for k in range(count)]
 
 
-def _map_unit(facts: Json, measured: bool) -> str:
-    """The unit in which a slider of a map counts."""
+def _in_unit(label: str, facts: Json, measured: bool, text: Texts) -> str:
+    """The label of a slider of a map, with the unit in which it counts."""
     if not measured:
-        return " in pixels"
-    return f" in {facts['unit']}" if facts["unit"] else ""
+        return text("in_pixels", label=label)
+    return text("in_unit", label=label, unit=facts["unit"]) if facts["unit"] else label
 
 
 def map_case(facts: Json, places: Mapping[str, float], measured: bool) -> Json:
@@ -229,7 +239,7 @@ def map_case(facts: Json, places: Mapping[str, float], measured: bool) -> Json:
 # -- curves -------------------------------------------------------------------------------------
 
 
-def curve(mo: ModuleType, info: Json, query: Query) -> ui.dictionary:
+def curve(mo: ModuleType, info: Json, query: Query, language: str = ENGLISH) -> ui.dictionary:
     """A slider for each component of the velocity, for the time, and for each moment of a body."""
     usual, t = list(info["velocity"]), info["t"]
     most = [max(PAGE.fastest, abs(value)) for value in usual]
@@ -237,38 +247,39 @@ def curve(mo: ModuleType, info: Json, query: Query) -> ui.dictionary:
     [end] = query.numbers("t", [(t / 20, 2 * t)], [t])
     count = BODIES.get(info["name"], 0)
     inertia = query.numbers("moments", [(0.5, 4)] * count, [1.0] * count)
-    sliders = {}
+    sliders, text = {}, _text(language)
     for k, (value, limit) in enumerate(zip(at, most, strict=True)):
         step = PAGE.step if abs(value / PAGE.step - round(value / PAGE.step)) < 1e-9 else 0.0001
         sliders[f"u{k}"] = mo.ui.slider(
-            -limit, limit, step, value=value, label=_leg(info["name"], k), show_value=True
+            -limit, limit, step, value=value, label=_leg(info["name"], k, text), show_value=True
         )
     sliders["t"] = mo.ui.slider(
-        t / 20, 2 * t, t / 20, value=end, label="time t", show_value=True, debounce=False
+        t / 20, 2 * t, t / 20, value=end, label=text("time"), show_value=True, debounce=False
     )
     sliders |= {
         f"I{k}": mo.ui.slider(
-            0.5, 4, 0.25, value=value, label=f"moment of inertia I{k + 1}", show_value=True
+            0.5, 4, 0.25, value=value, label=text("inertia", number=k + 1), show_value=True
         )
         for k, value in enumerate(inertia)
     }
     return mo.ui.dictionary(sliders)
 
 
-def _leg(space: str, k: int) -> str:
+def _leg(space: str, k: int, text: Texts) -> str:
     """The meaning of a velocity along leg k of a frame.
 
     Examples
     --------
-    >>> _leg("r3xso3", 0), _leg("r3xso3", 3), _leg("s2", 1)
+    >>> text = texts("figures", "controls")
+    >>> _leg("r3xso3", 0, text), _leg("r3xso3", 3, text), _leg("s2", 1, text)
     ('turn about axis 1: u1 in rad/time', 'move along axis 1: u4 in length/time', 'u2 along leg 2')
     """
     turns = BODIES.get(space, 0)
     if not turns:
-        return f"u{k + 1} along leg {k + 1}"
+        return text("leg", number=k + 1)
     if k < turns:
-        return f"turn about axis {k + 1}: u{k + 1} in rad/time"
-    return f"move along axis {k + 1 - turns}: u{k + 1} in length/time"
+        return text("turn", axis=k + 1, number=k + 1)
+    return text("move", axis=k + 1 - turns, number=k + 1)
 
 
 def path_query(info: Json, values: Mapping[str, float]) -> dict[str, tuple[str, str]]:
@@ -301,37 +312,32 @@ def path_case(space: str, values: Mapping[str, float]) -> dict[str, object]:
     return {"space": space, "velocity": speed, "t": values["t"], "moments": moments}
 
 
-def case_kind(mo: ModuleType, query: Query) -> ui.radio:
+def case_kind(mo: ModuleType, query: Query, language: str = ENGLISH) -> ui.radio:
     """The case that is measured."""
-    options = {
-        "the loop": "loop",
-        "the straightest path": "straightest",
-        "the shortest path": "shortest",
-        "the top": "top",
-    }
+    text = _text(language)
+    options = {label: kind for kind, label in text.table("cases").items()}
     case = query.one_of("measure", list(options.values()), "loop")
     [first] = [title for title, kind in options.items() if kind == case]
-    return mo.ui.radio(options, value=first, label="measure", inline=True)
+    return mo.ui.radio(options, value=first, label=text("measure"), inline=True)
 
 
 # -- the top ------------------------------------------------------------------------------------
 
 
-def top(mo: ModuleType, query: Query) -> ui.dictionary:
+def top(mo: ModuleType, query: Query, language: str = ENGLISH) -> ui.dictionary:
     """The quantity in the chart, a switch for each effect, and sliders for the body."""
-    slider = mo.ui.slider
+    slider, text, labels = mo.ui.slider, _text(language), _text(language, "top")
     watch = query.one_of("watch", list(WATCHED), "nutation")
     on = query.some_of("effects", list(SWITCHES), ())
     inertia = query.numbers("body", [(0.5, 4)] * 3, BODY["I"])
     rates = query.numbers("omega", [(-20, 20)] * 3, BODY["w"])
     [tilt] = query.numbers("tilt", [(0, 3)], [BODY["tilt"]])
     [time] = query.numbers("time", [(1, 30)], [BODY["t"]])
-    quantities = {text: name for name, text in WATCHED.items()}
-    controls = {
-        "watch": mo.ui.dropdown(quantities, value=WATCHED[watch], label="quantity in the chart")
-    }
+    watched = {labels(f"watched.{name}"): name for name in WATCHED}
+    chosen = labels(f"watched.{watch}")
+    controls = {"watch": mo.ui.dropdown(watched, value=chosen, label=text("watch"))}
     controls |= {
-        name: mo.ui.checkbox(value=name in on, label=text) for name, text in SWITCHES.items()
+        name: mo.ui.checkbox(value=name in on, label=labels(f"effects.{name}")) for name in SWITCHES
     }
     controls |= {
         f"I{k}": slider(0.5, 4, 0.1, value=x, label=f"I{k} in kg m²", show_value=True)
@@ -341,10 +347,8 @@ def top(mo: ModuleType, query: Query) -> ui.dictionary:
         f"w{k}": slider(-20, 20, 0.1, value=x, label=f"Ω{k} in rad/s", show_value=True)
         for k, x in enumerate(rates, 1)
     }
-    controls["tilt"] = slider(
-        0, 3, 0.05, value=tilt, label="tilt of axis 3 in rad", show_value=True
-    )
-    controls["t"] = slider(1, 30, 1, value=time, label="time in s", show_value=True)
+    controls["tilt"] = slider(0, 3, 0.05, value=tilt, label=text("tilt"), show_value=True)
+    controls["t"] = slider(1, 30, 1, value=time, label=text("seconds"), show_value=True)
     return mo.ui.dictionary(controls)
 
 

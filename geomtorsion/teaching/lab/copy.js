@@ -3,6 +3,7 @@ document.addEventListener("click", async (event) => {
   const button = event.composedPath().find((e) => e.matches?.("button.copy"));
   if (!button) return;
   const text = button.dataset.latex;
+  const label = (button.dataset.label ??= button.textContent);
   let copied = true;
   try {
     await navigator.clipboard.writeText(text);
@@ -15,6 +16,6 @@ document.addEventListener("click", async (event) => {
     field.remove();
     button.focus();
   }
-  button.textContent = copied ? "Copied" : "Not copied";
-  setTimeout(() => { button.textContent = "Copy LaTeX"; }, 1500);
+  button.textContent = copied ? button.dataset.copied : button.dataset.failed;
+  setTimeout(() => { button.textContent = label; }, 1500);
 });

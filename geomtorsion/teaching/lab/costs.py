@@ -20,12 +20,10 @@ from geomtorsion.teaching.lab.numbers import table
 from geomtorsion.teaching.lab.plot import key, plane, svg
 from geomtorsion.teaching.lab.space_info import is_around_the_axis, space_of
 from geomtorsion.teaching.lab.top import made, scene_of
-
-# True also of a page without a server, and of a case that the server has measured before.
-_CAPTION = "All times were measured on the computer that made this page."
+from geomtorsion.teaching.texts import ENGLISH, Texts, texts
 
 
-def costs(kind: str, case: Json) -> Json:
+def costs(kind: str, case: Json, language: str = ENGLISH) -> Json:
     """Error against time for a loop or a motion.
 
     Parameters
@@ -34,6 +32,8 @@ def costs(kind: str, case: Json) -> Json:
         "loop", "straightest", "shortest" or "top".
     case
         Settings of the page: the arguments of `closure_failure`, of `paths` or of `top`.
+    language
+        of the words in picture and tables.
 
     Returns
     -------
@@ -46,12 +46,15 @@ def costs(kind: str, case: Json) -> Json:
     >>> min(row[2] for row in found["rows"]) < 1e-13
     True
     """
+    text = texts("figures", "costs", language)
     if kind == "loop":
-        return _of_loop(**case)
-    return _of_top(**case) if kind == "top" else _of_motion(kind, **case)
+        return _of_loop(text, **case)
+    return _of_top(text, **case) if kind == "top" else _of_motion(text, kind, **case)
 
 
-def _of_loop(space: str, centre: Sequence[float], radius: float, plane: Sequence[int]) -> Json:
+def _of_loop(
+    text: Texts, space: str, centre: Sequence[float], radius: float, plane: Sequence[int]
+) -> Json:
     """Numbers, formula and proofs of a circle."""
     frame = space_of(space).frame
     first, second = plane
@@ -62,11 +65,12 @@ def _of_loop(space: str, centre: Sequence[float], radius: float, plane: Sequence
         )
     loop = Loop.circle([float(x) for x in centre], float(radius), (first, second))
     values = dict(first_motion(frame).parameters)
-    title = f"A circle of radius {number(radius)} in {space}"
-    return _shown(title, price(frame, loop, parameters=values))
+    title = text("loop", radius=number(radius), space=space)
+    return _shown(title, price(frame, loop, parameters=values), text)
 
 
 def _of_motion(
+    text: Texts,
     kind: str,
     space: str,
     velocity: Sequence[float],
@@ -78,11 +82,12 @@ def _of_motion(
         space_of(space), frame_velocity=list(velocity), t=float(t), moments=moments
     )
     name = "autoparallel" if kind == "straightest" else "geodesic"
-    title = f"The {kind} path in {space}, to t = {number(last)}"
-    return _shown(title, price(problems[name], last, proofs=[]))
+    title = text(kind, space=space, last=number(last))
+    return _shown(title, price(problems[name], last, proofs=[]), text)
 
 
 def _of_top(
+    text: Texts,
     moments: Sequence[float],
     omega: Sequence[float],
     tilt: float,
@@ -92,11 +97,12 @@ def _of_top(
 ) -> Json:
     """Engines on the equations of a body that turns."""
     scene = scene_of(moments, omega, tilt, t, made(effects), watch)
-    acting = ", ".join(effects) or "free"
-    return _shown(f"The top ({acting}), to t = {number(t)} s", price(scene, proofs=[]))
+    named = texts("figures", "top", text.language)
+    acting = "; ".join(named(f"effects.{name}") for name in effects) or text("free")
+    return _shown(text("top", effects=acting, last=number(t)), price(scene, proofs=[]), text)
 
 
-def _shown(title: str, prices: PriceList) -> Json:
+def _shown(title: str, prices: PriceList, text: Texts) -> Json:
     """Figure and table of the rows that have a result."""
     rows: list[list[Any]] = [
         [row.way, row.requested or None, row.true.high, row.seconds]
@@ -104,7 +110,7 @@ def _shown(title: str, prices: PriceList) -> Json:
         if row.measured and row.true is not None
     ]
     proofs = {row.way for row in prices.rows if row.certainty == "proof"}
-    figure, axes = plane(title, ("error, relative", "time in ms"), height=4.6)
+    figure, axes = plane(title, (text("error"), text("time")), height=4.6)
     # Errors of proofs are far below those that a double can show.
     names = [name for name in dict.fromkeys(row[0] for row in rows) if name not in proofs]
     for name, stroke in zip(names, SERIES, strict=False):
@@ -124,11 +130,14 @@ def _shown(title: str, prices: PriceList) -> Json:
         ]
         for row in rows
     ]
-    listed = table(("method", "requested error", "error", "time"), body, "All measurements")
+    heads = [text(key) for key in ("method", "requested", "errors", "times")]
+    listed = table(heads, body, text("caption"))
+    summary = escape(text("count", count=len(rows)))
     return {
-        "picture": svg(figure),
-        "table": f"<details><summary>{len(rows)} measurements</summary>{listed}</details>",
-        "advice": escape(f"{prices.recommendation} {_CAPTION}"),
+        "picture": svg(figure, text.language),
+        "table": f"<details><summary>{summary}</summary>{listed}</details>",
+        # Also true for a page without a server, and for a case that was measured before.
+        "advice": escape(f"{prices.recommendation} {text('measured')}"),
         "rows": rows,
         "truth": prices.truth,
     }

@@ -39,13 +39,13 @@ PATHS: tuple[tuple[str, tuple[float, ...]], ...] = (
     ("r3xso3", ()), ("so3", (1, 2, 3)), ("s2", ()), ("flat_polar", ()), ("heisenberg", ()),
 )  # fmt: skip
 TOPS: Mapping[str, Json] = {
-    "A body that tumbles": {"moments": (1, 2, 3), "omega": (0.1, 2, 0.1), "tilt": 0.3, "t": 12},
-    "A symmetric body": {"moments": (2, 2, 1), "omega": (1, 0, 2), "tilt": 0.3, "t": 12},
-    "A heavy top": {
+    "tumbling": {"moments": (1, 2, 3), "omega": (0.1, 2, 0.1), "tilt": 0.3, "t": 12},
+    "symmetric": {"moments": (2, 2, 1), "omega": (1, 0, 2), "tilt": 0.3, "t": 12},
+    "heavy": {
         "moments": (0.5, 0.5, 0.9), "omega": (0, 0, 8), "tilt": 0.5, "t": 8,
         "effects": ("gravity", "pivot"),
     },
-    "A body with a wheel": {
+    "wheel": {
         "moments": (1, 2, 3), "omega": (0.1, 2, 0.1), "tilt": 0.3, "t": 12, "effects": ("rotor",),
     },
 }  # fmt: skip
@@ -138,13 +138,15 @@ def _page(title: str, inner: str, tabs: Mapping[str, guides.Tab], language: str)
 
 def compass(language: str) -> str:
     """Both paths on the globe, for some courses."""
-    slides = [
-        f"<section><h3>course {course} degrees</h3>"
-        f"{_nameless(views.compass(task('compass')(course=course), language))}</section>"
-        for course in COURSES
-    ]
+    text = texts("figures", "still", language)
+    slides = []
+    for course in COURSES:
+        reply = task("compass")(course=course, language=language)
+        title = escape(text("degrees", course=course))
+        shown = _nameless(views.compass(reply, language))
+        slides.append(f"<section><h3>{title}</h3>{shown}</section>")
     return (
-        '<label>course <input type="range" data-slides="courses" min="0" '
+        f'<label>{escape(text("course"))} <input type="range" data-slides="courses" min="0" '
         f'max="{len(COURSES) - 1}" value="1"></label><div id="courses">{"".join(slides)}</div>'
     )
 
@@ -159,72 +161,76 @@ def tetrads(language: str) -> str:
             parameters=", ".join(facts["parameters"]),
             entries=facts["coframe"],
             signature=facts["signature"],
+            language=language,
         )
         story = f"<p>{escape(facts['story'])}</p>"
         opened = " open" if name == TETRADS[0] else ""
         parts.append(
             f'<details{opened} id="{name}"><summary><strong>{escape(name)}: '
-            f"{escape(facts['title'])}</strong></summary>{story}{_forms(facts)}"
+            f"{escape(facts['title'])}</strong></summary>{story}{_forms(facts, language)}"
             f"{_nameless(views.tetrad(reply, language))}</details>"
         )
     return "".join(parts)
 
 
-def _forms(known: Json) -> str:
+def _forms(known: Json, language: str) -> str:
     """The one-forms as they would be typed."""
-    rows = []
+    rows, text = [], texts("figures", "still", language)
     for i, row in enumerate(known["coframe"], 1):
         terms = [
             f"({text}) d{greek_name(name)}" if text != "1" else f"d{greek_name(name)}"
             for text, name in zip(row, known["coordinates"], strict=True)
             if text != "0"
         ]
-        rows.append(f"row {i}:  {' + '.join(terms)}")
+        rows.append(f"{text('row', row=i)}  {' + '.join(terms)}")
     return f'<pre class="plan">{escape(chr(10).join(rows))}</pre>'
 
 
 def loops(language: str) -> str:
     """Loops of several radii, behind a slider."""
-    parts = []
+    parts, text = [], texts("figures", "still", language)
     for name in LOOPS:
         facts = space_info(name)
         slides = []
         for radius in RADII:
             plane = facts["planes"][0]
-            reply = task("loop")(space=name, centre=facts["start"], radius=radius, plane=plane)
-            shown = _nameless(views.loop(reply) + views.loop_below(reply, language))
-            slides.append(f"<section><h3>radius {radius:g}</h3>{shown}</section>")
+            case = {"space": name, "centre": facts["start"], "radius": radius, "plane": plane}
+            reply = task("loop")(**case, language=language)
+            shown = _nameless(views.loop(reply, language) + views.loop_below(reply, language))
+            title = escape(text("of_radius", radius=f"{radius:g}"))
+            slides.append(f"<section><h3>{title}</h3>{shown}</section>")
         parts.append(
-            f"<h2>{escape(name)}: {escape(facts['title'])}</h2><label>radius "
+            f"<h2>{escape(name)}: {escape(facts['title'])}</h2><label>{escape(text('radius'))} "
             f'<input type="range" data-slides="loops-{name}" min="0" max="{len(RADII) - 1}" '
             f'value="4"></label><div id="loops-{name}">{"".join(slides)}</div>'
         )
-    parts.append(views.atoms(task("atoms")(), language))
+    parts.append(views.atoms(task("atoms")(language=language), language))
     return "".join(parts)
 
 
 def curves(language: str) -> str:
     """The straightest and the shortest curve in some spaces."""
-    parts = []
+    parts, text = [], texts("figures", "still", language)
     for name, moments in PATHS:
         facts = space_info(name)
         speeds = {f"u{k}": value for k, value in enumerate(facts["velocity"])} | {"t": facts["t"]}
         inertia = {f"I{k}": value for k, value in enumerate(moments)}
-        reply = task("paths")(**path_case(name, speeds | inertia))
-        with_moments = f", moments of inertia {moments}" if moments else ""
-        shown = _nameless(views.paths(reply) + views.paths_below(reply, language))
-        title = f"{name}: {facts['title']}{with_moments}"
+        reply = task("paths")(**path_case(name, speeds | inertia), language=language)
+        shown = _nameless(views.paths(reply, language) + views.paths_below(reply, language))
+        title = f"{name}: {facts['title']}"
+        if moments:
+            title = text("moments", space=title, moments=moments)
         parts.append(f"<h2>{escape(title)}</h2>{shown}")
     return "".join(parts)
 
 
 def tops(language: str) -> str:
     """Some bodies that turn."""
-    parts = []
-    for title, case in TOPS.items():
-        reply = task("top")(**case)
-        shown = views.top(reply) + views.top_below(reply, language)
-        parts.append(f"<h2>{escape(title)}</h2>{_nameless(shown)}")
+    parts, text = [], texts("figures", "still", language)
+    for key, case in TOPS.items():
+        reply = task("top")(**case, language=language)
+        shown = views.top(reply, language) + views.top_below(reply, language)
+        parts.append(f"<h2>{escape(text(key))}</h2>{_nameless(shown)}")
     return "".join(parts)
 
 
@@ -234,8 +240,8 @@ def cost_tables(language: str) -> str:
     loop = {"space": "so3", "centre": facts["start"], "radius": 0.3, "plane": facts["planes"][0]}
     path = {"space": "so3", "velocity": facts["velocity"], "t": facts["t"], "moments": [1, 2, 3]}
     replies = [
-        task("costs")(kind="loop", case=loop),
-        task("costs")(kind="shortest", case=path),
+        task("costs")(kind="loop", case=loop, language=language),
+        task("costs")(kind="shortest", case=path, language=language),
     ]
     return "".join(_nameless(views.costs(reply, language)) for reply in replies)
 

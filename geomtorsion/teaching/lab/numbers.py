@@ -8,6 +8,7 @@ from html import escape
 
 from geomtorsion.pictures.style import number
 from geomtorsion.teaching.lab.settings import PAGE
+from geomtorsion.teaching.texts import ENGLISH, texts
 
 
 def shown(value: float, error: float = 0.0) -> str:
@@ -23,7 +24,7 @@ def shown(value: float, error: float = 0.0) -> str:
     return "0" if abs(value) <= PAGE.zero * error else number(value)
 
 
-def names_text(names: Sequence[str]) -> str:
+def names_text(names: Sequence[str], language: str = ENGLISH) -> str:
     """Names in a list for people.
 
     Examples
@@ -33,7 +34,8 @@ def names_text(names: Sequence[str]) -> str:
     """
     if len(names) < 2:
         return "".join(names)
-    return f"{', '.join(names[:-1])} and {names[-1]}"
+    text = texts("figures", "figure", language)
+    return text("list", first=", ".join(names[:-1]), last=names[-1])
 
 
 def raised(k: int) -> str:

@@ -62,29 +62,29 @@ def _(guides, language, tab):
 
 
 @app.cell
-def _(controls, mo, query):
-    course = controls.course(mo, query)
-    loop_space = controls.spaces(mo, controls.FIRST_LOOP, query, "loop")
-    radius = controls.radius(mo, query)
-    path_space = controls.spaces(mo, controls.FIRST_PATH, query, "path")
-    top = controls.top(mo, query)
-    kind = controls.case_kind(mo, query)
+def _(controls, language, mo, query):
+    course = controls.course(mo, query, language)
+    loop_space = controls.spaces(mo, controls.FIRST_LOOP, query, "loop", language)
+    radius = controls.radius(mo, query, language)
+    path_space = controls.spaces(mo, controls.FIRST_PATH, query, "path", language)
+    top = controls.top(mo, query, language)
+    kind = controls.case_kind(mo, query, language)
     return course, kind, loop_space, path_space, radius, top
 
 
 @app.cell
-def _(Query, controls, loop_space, mo, runner):
+def _(Query, controls, language, loop_space, mo, runner):
     loop_facts = runner.ask("space_info", space=loop_space.value)
     _own = Query.now(mo).of_case("loop", loop_space.value, controls.FIRST_LOOP)
-    place = controls.place(mo, loop_facts, _own)
+    place = controls.place(mo, loop_facts, _own, language)
     return loop_facts, place
 
 
 @app.cell
-def _(Query, controls, mo, path_space, runner):
+def _(Query, controls, language, mo, path_space, runner):
     path_facts = runner.ask("space_info", space=path_space.value)
     _own = Query.now(mo).of_case("path", path_space.value, controls.FIRST_PATH)
-    curve = controls.curve(mo, path_facts, _own)
+    curve = controls.curve(mo, path_facts, _own, language)
     return curve, path_facts
 
 
@@ -138,9 +138,8 @@ def _(controls, curve, loop_facts, path_facts, place, radius, top):
 def _(controls, course, guides, language, mo, opened, runner, store, views):
     mo.stop(opened != guides.COMPASS)
     store(mo, {"course": (f"{course.value:g}", f"{controls.PAGE.course:g}")})
-    mo.Html(
-        views.of_tab(opened, views.compass(runner.ask("compass", course=course.value), language))
-    )
+    _reply = runner.ask("compass", course=course.value, language=language)
+    mo.Html(views.of_tab(opened, views.compass(_reply, language)))
     return
 
 
@@ -148,28 +147,28 @@ def _(controls, course, guides, language, mo, opened, runner, store, views):
 
 
 @app.cell
-def _(mo, query, tetrad_controls):
-    beginning = tetrad_controls.starts(mo, query)
-    shown = tetrad_controls.offered(mo, query)
+def _(language, mo, query, tetrad_controls):
+    beginning = tetrad_controls.starts(mo, query, language)
+    shown = tetrad_controls.offered(mo, query, language)
     return beginning, shown
 
 
 @app.cell
-def _(Query, beginning, keys, mo, runner, tetrad_controls):
+def _(Query, beginning, keys, language, mo, runner, tetrad_controls):
     tetrad_facts = tetrad_controls.facts(beginning.value, runner)
     _own = Query.now(mo).of_case("start", beginning.value, tetrad_controls.first_start())
     keys.skip_numbers(mo, list(beginning.options.values()), beginning.value, 4)
-    names = tetrad_controls.names(mo, tetrad_facts, _own)
+    names = tetrad_controls.names(mo, tetrad_facts, _own, language)
     # Current entries: the fields are created again when coordinates are renamed.
     typed = tetrad_controls.typed(tetrad_facts, _own)
     return names, tetrad_facts, typed
 
 
 @app.cell
-def _(beginning, keys, mo, names, tetrad_controls, typed):
+def _(beginning, keys, language, mo, names, tetrad_controls, typed):
     columns = tetrad_controls.coordinates(names.value)
     keys.skip_numbers(mo, list(beginning.options.values()), beginning.value, tetrad_controls.MOST)
-    entries = tetrad_controls.entries(mo, columns, typed)
+    entries = tetrad_controls.entries(mo, columns, typed, language)
     return columns, entries
 
 
@@ -179,6 +178,7 @@ def _(
     columns,
     entries,
     guides,
+    language,
     mo,
     names,
     runner,
@@ -193,7 +193,8 @@ def _(
     typed.update(entries.value)
     _rows = tetrad_controls.rows(entries.value, len(columns))
     _show = [name for name, wanted in shown.value.items() if wanted]
-    tetrad_reply = runner.ask("tetrad", **tetrad_controls.tetrad_case(names.value, _rows, _show))
+    _case = tetrad_controls.tetrad_case(names.value, _rows, _show, language)
+    tetrad_reply = runner.ask("tetrad", **_case)
     store(
         mo, tetrad_controls.tetrad_query(beginning.value, tetrad_facts, names.value, _rows, _show)
     )
@@ -201,7 +202,21 @@ def _(
 
 
 @app.cell
-def _(beginning, columns, entries, guides, keys, mo, names, shown, opened, tetrad_reply, views):
+def _(
+    beginning,
+    columns,
+    entries,
+    guides,
+    keys,
+    language,
+    mo,
+    names,
+    shown,
+    opened,
+    tetrad_controls,
+    tetrad_reply,
+    views,
+):
     mo.stop(opened != guides.TETRAD)
     _size = len(columns)
     _cells = [
@@ -214,7 +229,13 @@ def _(beginning, columns, entries, guides, keys, mo, names, shown, opened, tetra
             mo.Html(views.of_tab(opened, views.controls([beginning]), result=False)),
             mo.Html(keys.keyed(views.controls(names.values()), beginning.value)),
             mo.Html(keys.keyed(views.wrapped(views.grid(_cells, _size)), beginning.value, _size)),
-            mo.accordion({"Quantities to show": mo.Html(views.controls(list(shown.values())))}),
+            mo.accordion(
+                {
+                    tetrad_controls.quantities(language): mo.Html(
+                        views.controls(list(shown.values()))
+                    )
+                }
+            ),
         ]
     )
     return
@@ -231,11 +252,13 @@ def _(guides, language, mo, opened, tetrad_reply, views):
 
 
 @app.cell
-def _(cases, controls, guides, loop_facts, mo, place, radius, runner, store, opened, views):
+def _(
+    cases, controls, guides, language, loop_facts, mo, place, radius, runner, store, opened, views
+):
     mo.stop(opened != guides.LOOPS)
     store(mo, controls.loop_query(loop_facts, place.value, radius.value))
-    loop_reply = runner.ask("loop", **cases["loop"])
-    mo.Html(views.of_tab(opened, views.loop(loop_reply)))
+    loop_reply = runner.ask("loop", **cases["loop"], language=language)
+    mo.Html(views.of_tab(opened, views.loop(loop_reply, language)))
     return (loop_reply,)
 
 
@@ -249,7 +272,8 @@ def _(guides, language, loop_reply, mo, opened, views):
 @app.cell
 def _(guides, language, mo, opened, runner, views):
     mo.stop(opened != guides.LOOPS)
-    mo.Html(views.of_tab(opened, views.atoms(runner.ask("atoms"), language), result=False))
+    _reply = runner.ask("atoms", language=language)
+    mo.Html(views.of_tab(opened, views.atoms(_reply, language), result=False))
     return
 
 
@@ -257,9 +281,9 @@ def _(guides, language, mo, opened, runner, views):
 
 
 @app.cell
-def _(controls, mo):
-    map_upload = controls.upload(mo)
-    map_measure = controls.map_measure(mo)
+def _(controls, language, mo):
+    map_upload = controls.upload(mo, language)
+    map_measure = controls.map_measure(mo, language)
     return map_upload, map_measure
 
 
@@ -280,15 +304,15 @@ def _(map_upload, mo, runner):
 
 
 @app.cell
-def _(controls, map_facts, mo):
-    map_settings = controls.map_settings(mo, map_facts)
+def _(controls, language, map_facts, mo):
+    map_settings = controls.map_settings(mo, map_facts, language)
     return (map_settings,)
 
 
 @app.cell
-def _(controls, map_facts, map_measure, mo):
+def _(controls, language, map_facts, map_measure, mo):
     # Settings of grains and symmetry do not move the circuit.
-    map_places = controls.map_places(mo, map_facts, map_measure.value)
+    map_places = controls.map_places(mo, map_facts, map_measure.value, language)
     return (map_places,)
 
 
@@ -336,11 +360,11 @@ def _(
 
 
 @app.cell
-def _(cases, controls, curve, guides, mo, path_facts, runner, store, opened, views):
+def _(cases, controls, curve, guides, language, mo, path_facts, runner, store, opened, views):
     mo.stop(opened != guides.PATHS)
     store(mo, controls.path_query(path_facts, curve.value))
-    path_reply = runner.ask("paths", **cases["straightest"])
-    mo.Html(views.of_tab(opened, views.paths(path_reply)))
+    path_reply = runner.ask("paths", **cases["straightest"], language=language)
+    mo.Html(views.of_tab(opened, views.paths(path_reply, language)))
     return (path_reply,)
 
 
@@ -355,11 +379,11 @@ def _(guides, language, mo, opened, path_reply, views):
 
 
 @app.cell
-def _(cases, controls, guides, mo, runner, store, opened, top, views):
+def _(cases, controls, guides, language, mo, runner, store, opened, top, views):
     mo.stop(opened != guides.TOP)
     store(mo, controls.top_query(top.value))
-    top_reply = runner.ask("top", **cases["top"])
-    mo.Html(views.of_tab(opened, views.top(top_reply)))
+    top_reply = runner.ask("top", **cases["top"], language=language)
+    mo.Html(views.of_tab(opened, views.top(top_reply, language)))
     return (top_reply,)
 
 
@@ -377,12 +401,8 @@ def _(guides, language, mo, opened, top_reply, views):
 def _(cases, guides, kind, language, mo, opened, runner, store, views):
     mo.stop(opened != guides.COSTS)
     store(mo, {"measure": (kind.value, "loop")})
-    mo.Html(
-        views.of_tab(
-            opened,
-            views.costs(runner.ask("costs", kind=kind.value, case=cases[kind.value]), language),
-        )
-    )
+    _reply = runner.ask("costs", kind=kind.value, case=cases[kind.value], language=language)
+    mo.Html(views.of_tab(opened, views.costs(_reply, language)))
     return
 
 
@@ -458,12 +478,13 @@ def _(guides, language, mo, opened, runner, sent, stated, texts_from, views):
 
 
 @app.cell
-def _(guides, hint, mo, opened, runner, stated, texts_from, views):
+def _(guides, hint, language, mo, opened, runner, stated, texts_from, views):
     mo.stop(opened != guides.EXERCISES or "number" not in stated)
     _taken = runner.ask(
         "hints", number=stated["number"], seed=stated["seed"], count=hint.value, **texts_from
     )
-    mo.vstack([hint, mo.Html(views.of_tab(opened, views.steps(_taken), result=False))])
+    _steps = views.of_tab(opened, views.steps(_taken, language), result=False)
+    mo.vstack([hint, mo.Html(_steps)])
     return
 
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -17,17 +17,21 @@ from geomtorsion.teaching.lab.plot import key, mark, plane, svg
 from geomtorsion.teaching.lab.settings import PAGE
 from geomtorsion.teaching.lab.space_info import space_of
 from geomtorsion.teaching.lab.turning import Curve, Film, in_space, thinned
+from geomtorsion.teaching.texts import ENGLISH, Texts, texts
 
 if TYPE_CHECKING:
     from geomtorsion.spaces import Pair
 
 # Not a colour of either curve: on a page a colour has one meaning.
 DISTANCE = SERIES[2]
-LABELS = {"autoparallel": "straightest (autoparallel)", "geodesic": "shortest (geodesic)"}
 
 
 def paths(
-    space: str, velocity: Sequence[float], t: float, moments: Sequence[float] | None = None
+    space: str,
+    velocity: Sequence[float],
+    t: float,
+    moments: Sequence[float] | None = None,
+    language: str = ENGLISH,
 ) -> Json:
     """Both curves of a shipped space from its usual start.
 
@@ -39,6 +43,8 @@ def paths(
         last value of the curve parameter.
     moments
         kinetic metric of the geodesic, one number for each frame vector.
+    language
+        of the words in pictures, table and sentence.
 
     Returns
     -------
@@ -60,16 +66,17 @@ def paths(
         samples=PAGE.samples,
     )
     largest = float(pair.distance.max())
+    text = texts("figures", "paths", language)
     return {
-        **_drawn(pair),
-        "distance": _distance(pair),
-        "table": _table(pair),
-        "sentence": _sentence(pair, largest),
+        **_drawn(pair, text),
+        "distance": _distance(pair, text),
+        "table": _table(pair, text),
+        "sentence": _sentence(pair, largest, text),
         "largest": largest,
     }
 
 
-def _drawn(pair: Pair) -> Json:
+def _drawn(pair: Pair, text: Texts) -> Json:
     """The curves in the most readable projection."""
     embedding = pair.embedding
     name = f"paths {pair.space.name}"
@@ -77,24 +84,28 @@ def _drawn(pair: Pair) -> Json:
         places = places_of(pair)
         radius = _radius(places) if embedding.isometric else 0.0
         scene = Film(
-            name, _capital(embedding.title), _three(embedding.axes), curves_of(pair),
-            times=times_of(pair), globe=radius, equal=embedding.isometric,
+            name, _title(embedding.title, text), _three(embedding.axes), curves_of(pair, text),
+            times=times_of(pair), globe=radius, equal=embedding.isometric, language=text.language,
         )  # fmt: skip
         return in_space(scene)
     if embedding is not None and len(embedding.place) == 2:
-        picture = _plane(places_of(pair), embedding.axes, "The curves in the plane", equal=True)
-        return {"picture": picture}
+        places = places_of(pair)
+        return {"picture": _plane(places, embedding.axes, text("plane"), text, equal=True)}
     if embedding is not None and embedding.attitude is not None:
         scene = Film(
-            name, "Directions of the body axes 1 and 3", ("x", "y", "z"), _axes(pair),
-            times=times_of(pair), globe=1.0, note="Pale lines: behind the globe.",
+            name, text("axes"), ("x", "y", "z"), _axes(pair, text), times=times_of(pair),
+            globe=1.0, note=text("behind"), language=text.language,
         )  # fmt: skip
         return in_space(scene)
     names = tuple(greek_name(symbol.name) for symbol in pair.symbols)
-    title = f"The curves in the coordinates {names_text(names[:3])}"
+    title = text("coordinates", names=names_text(names[:3], text.language))
     if len(names) == 2:
-        return {"picture": _plane(pair.coordinates, names, title, equal=False)}
-    return in_space(Film(name, title, _three(names), curves_of(pair), times=times_of(pair)))
+        return {"picture": _plane(pair.coordinates, names, title, text, equal=False)}
+    scene = Film(
+        name, title, _three(names), curves_of(pair, text), times=times_of(pair),
+        language=text.language,
+    )  # fmt: skip
+    return in_space(scene)
 
 
 def places_of(pair: Pair) -> dict[str, np.ndarray]:
@@ -107,13 +118,14 @@ def places_of(pair: Pair) -> dict[str, np.ndarray]:
     }
 
 
-def _capital(title: str) -> str:
-    """A title with a capital letter, unless it begins with a symbol.
+def _title(title: str, text: Texts) -> str:
+    """The title of an embedding in the language of the page, if it has one.
 
-    >>> _capital("path of the body"), _capital("r, θ, φ as in flat space")
-    ('Path of the body', 'r, θ, φ as in flat space')
+    >>> _title("on the sphere", texts("figures", "paths", "de"))
+    'Auf der Kugel'
     """
-    return title[:1].upper() + title[1:] if title[1:2].isalpha() else title
+    key = f"drawn.{title}"
+    return text(key) if key in text else title
 
 
 def _three(names: Sequence[str]) -> tuple[str, str, str]:
@@ -132,15 +144,15 @@ def times_of(pair: Pair) -> list[float]:
     return thinned(pair.times.tolist())
 
 
-def curves_of(pair: Pair, labels: Mapping[str, str] = LABELS) -> tuple[Curve, ...]:
-    """Both curves as they are drawn in space."""
+def curves_of(pair: Pair, text: Texts) -> tuple[Curve, ...]:
+    """Both curves as they are drawn in space; text: has their labels."""
     return tuple(
-        Curve(thinned(points.tolist()), STROKES[curve], labels[curve])
+        Curve(thinned(points.tolist()), STROKES[curve], text(curve))
         for curve, points in places_of(pair).items()
     )
 
 
-def _axes(pair: Pair) -> tuple[Curve, ...]:
+def _axes(pair: Pair, text: Texts) -> tuple[Curve, ...]:
     """Traces of two body axes on the unit sphere, for both curves."""
     curves = []
     for curve, points in pair.coordinates.items():
@@ -148,44 +160,46 @@ def _axes(pair: Pair) -> tuple[Curve, ...]:
         turns = pair.embedding.attitudes(points, pair.parameters)
         for axis in (0, 2):
             look = STROKES[curve]
-            label = LABELS[curve] if axis == 2 else ""
+            label = text(curve) if axis == 2 else ""
             trace = thinned(turns[:, :, axis].tolist())
             curves.append(Curve(trace, look, label, tip=str(axis + 1)))
     return tuple(curves)
 
 
-def _plane(places: dict[str, np.ndarray], names: Sequence[str], title: str, *, equal: bool) -> str:
+def _plane(
+    places: dict[str, np.ndarray], names: Sequence[str], title: str, text: Texts, *, equal: bool
+) -> str:
     figure, axes = plane(title, (names[0], names[1]), equal=equal)
     for curve, points in places.items():
-        axes.plot(*points.T, **STROKES[curve].line, label=LABELS[curve])
+        axes.plot(*points.T, **STROKES[curve].line, label=text(curve))
         ends(axes, points, STROKES[curve])
     key(figure, axes)
-    return svg(figure)
+    return svg(figure, text.language)
 
 
-def _distance(pair: Pair) -> str:
+def _distance(pair: Pair, text: Texts) -> str:
     """The distance between them over time; beside the accuracy if the curves coincide."""
     times = pair.times[: len(pair.distance)]
     if pair.coincide:
-        figure, axes = plane("The two curves are equal within the accuracy", ("t", "distance"))
+        figure, axes = plane(text("equal"), ("t", text("distance")))
         axes.plot(times, pair.distance, **DISTANCE.line)
-        axes.axhline(PAGE.accuracy, **SERIES[5].line, label="requested accuracy")
+        axes.axhline(PAGE.accuracy, **SERIES[5].line, label=text("accuracy"))
         largest = max(PAGE.accuracy, float(pair.distance.max()))
         axes.set_ylim(-0.1 * largest, 1.25 * largest)
         key(figure, axes)
-        return svg(figure)
-    figure, axes = plane("Distance between the two curves over time", ("t", "distance"))
+        return svg(figure, text.language)
+    figure, axes = plane(text("distances"), ("t", text("distance")))
     stroke, last = DISTANCE, (times[-1], pair.distance[-1])
     axes.plot(times, pair.distance, **stroke.line)
     mark(axes, last, stroke.color, stroke.end, number(float(pair.distance[-1])))
-    return svg(figure)
+    return svg(figure, text.language)
 
 
-def _table(pair: Pair) -> str:
+def _table(pair: Pair, text: Texts) -> str:
     """Cost and error of each solution."""
     rows = [
         [
-            LABELS[curve],
+            text(curve),
             solution.engine,
             size_text(solution.error, 0),
             f"{solution.cost.run_seconds * 1e3:.3g} ms",
@@ -193,16 +207,14 @@ def _table(pair: Pair) -> str:
         ]
         for curve, solution in pair.curves.items()
     ]
-    return table(
-        ("curve", "method", "error", "computing time", "last t"), rows, "Methods and errors"
-    )
+    heads = [text(key) for key in ("curve", "method", "error", "computing", "last")]
+    return table(heads, rows, text("caption"))
 
 
-def _sentence(pair: Pair, largest: float) -> str:
+def _sentence(pair: Pair, largest: float, text: Texts) -> str:
     if pair.coincide:
-        text = f"The straightest and the shortest curve coincide here, to {size_text(largest, 0)}."
+        first = text("coincide", distance=size_text(largest, 0))
     else:
-        text = f"The straightest and the shortest curve separate by at most {largest:.4g}."
-    kinds = {"autoparallel": "straightest", "geodesic": "shortest"}
-    ends = [f"The {kinds[curve]} curve: {reason}" for curve, reason in pair.stops.items()]
-    return " ".join([text, *ends])
+        first = text("separate", distance=f"{largest:.4g}")
+    stops = [text(f"ended_{curve}", reason=reason) for curve, reason in pair.stops.items()]
+    return " ".join([first, *stops])

@@ -9,17 +9,21 @@ from typing import TYPE_CHECKING
 
 from geomtorsion.pictures.style import Point, new_figure, quiet, svg_text
 from geomtorsion.teaching.lab.settings import PAGE
+from geomtorsion.teaching.texts import ENGLISH, texts
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
 
-# Buttons that save the picture before them; the script of the page listens to them.
-SAVE = (
-    '<div class="save"><button type="button" class="copy" data-save="svg">Save SVG</button> '
-    '<button type="button" class="copy" data-save="png">Save PNG</button></div>'
-)
+def save(language: str = ENGLISH) -> str:
+    """Buttons that save the picture before them; the script of the page listens to them."""
+    text = texts("figures", "figure", language)
+    buttons = (
+        f'<button type="button" class="copy" data-save="{kind}">{escape(text(kind))}</button>'
+        for kind in ("svg", "png")
+    )
+    return f'<div class="save">{" ".join(buttons)}</div>'
 
 
 @cache
@@ -66,9 +70,9 @@ def key(figure: Figure, axes: Axes) -> None:
     )
 
 
-def svg(figure: Figure) -> str:
+def svg(figure: Figure, language: str = ENGLISH) -> str:
     """A figure as an svg element, named by its title, with buttons that save it."""
     text = svg_text(figure, outlines=False)
     title = escape(figure.axes[0].get_title())
     attributes = text[text.index("<svg") + len("<svg") :]
-    return f'<svg class="plot" role="img" aria-label="{title}"{attributes}{SAVE}'
+    return f'<svg class="plot" role="img" aria-label="{title}"{attributes}{save(language)}'

@@ -83,7 +83,7 @@ def statement(
         "seed": exercise.seed,
         "note": exercise.note,
         "statement": html_of(exercise.statement),
-        "copy": _copy_button([exercise.statement, *asked], "statement and questions"),
+        "copy": _copy_button([exercise.statement, *asked], "statement", language),
         "questions": [
             {
                 "name": question.name,
@@ -110,14 +110,22 @@ def hints(
     2
     """
     taken = exercises.load(number, seed, language, chapter).hints[:count]
-    return {"hints": [html_of(hint) for hint in taken], "copy": _copy_button(taken, "hints")}
+    return {
+        "hints": [html_of(hint) for hint in taken],
+        "copy": _copy_button(taken, "hints", language),
+    }
 
 
-def _copy_button(pieces: Sequence[str], what: str) -> str:
-    """A button that copies texts as LaTeX; empty if they contain no formula."""
+def _copy_button(pieces: Sequence[str], what: str, language: str) -> str:
+    """A button that copies texts as LaTeX; empty if they contain no formula.
+
+    what: the name of a question, or the key of a label.
+    """
     if not any("$" in text for text in pieces):
         return ""
-    return views.copy_button("\n\n".join(map(latex_of, pieces)), what)
+    text = texts("figures", "figure", language)
+    name = text(what) if what in ("statement", "hints") else what
+    return views.copy_button("\n\n".join(map(latex_of, pieces)), name, language)
 
 
 def answer(
@@ -163,7 +171,7 @@ def answer(
                 "read_as": one.read_as,
                 "score": one.score,
                 "message": html_of(one.message),
-                "copy": _copy_button([one.message], one.name),
+                "copy": _copy_button([one.message], one.name, language),
                 "diagnosis": one.diagnosis,
             }
             for one in verdict.questions

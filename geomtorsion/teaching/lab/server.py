@@ -463,7 +463,7 @@ def serve(
 
     taken = _socket(address)
     port = taken.getsockname()[1]
-    common_runner().warm(FIRST)
+    common_runner().warm([(name, {**case, "language": language}) for name, case in FIRST])
     config = uvicorn.Config(
         app,
         log_level="warning",

@@ -20,12 +20,13 @@ from geomtorsion.teaching.exercises.worker_pool import Json
 from geomtorsion.teaching.lab import views
 from geomtorsion.teaching.lab.settings import PAGE
 from geomtorsion.teaching.lab.typed_expressions import read_typed
+from geomtorsion.teaching.texts import ENGLISH, Texts, texts
 
 if TYPE_CHECKING:
     from geomtorsion.pictures.quantities import Quantity
 
-# Quantity -> its name on the page, and those that are shown unless others are requested.
-OFFERED = {one.name: one.title for one in TABLE if one.page}
+# Quantities of the page, and those that are shown unless others are requested.
+OFFERED = tuple(one.name for one in TABLE if one.page)
 USUAL = tuple(one.name for one in TABLE if one.page == "shown")
 _REAL = "give real entries, or use a tetrad file with complex = true"
 _NAME = re.compile(r"[^\W0-9]\w*")
@@ -42,6 +43,7 @@ def tetrad(
     signature: str = "",
     show: Sequence[str] = USUAL,
     functions: str = "",
+    language: str = ENGLISH,
 ) -> Json:
     """The geometry of a typed coframe as HTML, or the errors of its entries.
 
@@ -57,6 +59,8 @@ def tetrad(
         Names of quantities.
     functions
         Unknown functions with their arguments, such as ``a(t), f(r, theta)``.
+    language
+        of headings and buttons.
 
     Returns
     -------
@@ -92,7 +96,7 @@ def tetrad(
             parameters=[symbols[name] for name in constants],
             name="your tetrad",
         )
-        return {"html": _cards(frame, show), "errors": {}}
+        return {"html": _cards(frame, show, language), "errors": {}}
     except GeomtorsionError as error:
         place = _PLACE.match(str(error))
         if place:
@@ -263,20 +267,22 @@ def _read(
     return rows
 
 
-def _cards(frame: Frame, show: Sequence[str]) -> str:
+def _cards(frame: Frame, show: Sequence[str], language: str) -> str:
     """All requested quantities, by section."""
     # Sections take a space; a typed frame becomes a space without story or source.
     space = Space("your tetrad", "your tetrad", frame=frame)
     chosen = chosen_quantities(space, [name for name in OFFERED if name in show] or USUAL)
     parts = []
-    for heading in SECTIONS:
-        group = [one for one in chosen if one.entry.section == heading]
+    text = texts("figures", "quantities", language)
+    for heading, shown in zip(SECTIONS, text.table("sections").values(), strict=True):
+        group = [_card(one, text) for one in chosen if one.entry.section == heading]
         if group:
-            parts.append(f"<h3>{escape(heading)}</h3>{''.join(map(_card, group))}")
+            parts.append(f"<h3>{escape(shown)}</h3>{''.join(group)}")
     return "".join(parts)
 
 
-def _card(quantity: Quantity) -> str:
+def _card(quantity: Quantity, text: Texts) -> str:
     """A section with a button that copies its formulas."""
-    button = views.copy_button(aligned(quantity), quantity.entry.title)
-    return section(quantity).removesuffix("</section>") + f"{button}</section>"
+    title = text(quantity.entry.name)
+    button = views.copy_button(aligned(quantity), title, text.language)
+    return section(quantity, title).removesuffix("</section>") + f"{button}</section>"

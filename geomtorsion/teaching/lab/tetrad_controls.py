@@ -12,13 +12,15 @@ from geomtorsion.teaching.lab.query import Query
 from geomtorsion.teaching.lab.settings import PAGE
 from geomtorsion.teaching.lab.space_info import typable
 from geomtorsion.teaching.lab.tetrad import OFFERED, USUAL, names_like
+from geomtorsion.teaching.texts import ENGLISH, texts
 
 if TYPE_CHECKING:
     from marimo import ui
 
     from geomtorsion.teaching.lab.tasks import Runner
 
-BLANK = {f"blank, {n} coordinates": n for n in (2, 3, 4)}
+# Numbers of coordinates of an empty tetrad.
+BLANK = (2, 3, 4)
 # Largest number of fields for entries.
 MOST = PAGE.dimensions**2
 _LETTERS = ("x", "y", "z", "w")
@@ -29,12 +31,24 @@ def first_start() -> str:
     return next(iter(typable().values()))
 
 
-def starts(mo: ModuleType, query: Query) -> ui.dropdown:
+def starts(mo: ModuleType, query: Query, language: str = ENGLISH) -> ui.dropdown:
     """The list of starting points: an empty tetrad or the tetrad of a space."""
-    options: Json = {**typable(), **BLANK}
+    text = texts("figures", "controls", language)
+    options: Json = {**typable(), **{text("blank", count=n): n for n in BLANK}}
     start = query.one_of("start", list(options.values()), next(iter(options.values())))
     [first] = [title for title, value in options.items() if value == start]
-    return mo.ui.dropdown(options, value=first, label="start from")
+    return mo.ui.dropdown(options, value=first, label=text("start"))
+
+
+def quantities(language: str = ENGLISH) -> str:
+    """The heading of the boxes for quantities.
+
+    Examples
+    --------
+    >>> quantities()
+    'Quantities to show'
+    """
+    return texts("figures", "controls", language)("quantities")
 
 
 def facts(start: str | int, runner: Runner) -> Json:
@@ -43,16 +57,20 @@ def facts(start: str | int, runner: Runner) -> Json:
 
 
 def tetrad_case(
-    values: Mapping[str, str], entries: Sequence[Sequence[str]], show: Sequence[str]
+    values: Mapping[str, str],
+    entries: Sequence[Sequence[str]],
+    show: Sequence[str],
+    language: str = ENGLISH,
 ) -> Json:
     """Fields as the arguments of the task for tetrads."""
     return {
         "coordinates": values["coordinates"],
         "parameters": values["parameters"],
-        "functions": values["unknown functions"],
+        "functions": values["functions"],
         "signature": values["signature"],
         "entries": entries,
         "show": show,
+        "language": language,
     }
 
 
@@ -62,18 +80,15 @@ def blank(n: int) -> Json:
     return {"coordinates": names, "parameters": [], "functions": [], "signature": "", "coframe": []}
 
 
-def names(mo: ModuleType, info: Json, query: Query) -> ui.dictionary:
+def names(mo: ModuleType, info: Json, query: Query, language: str = ENGLISH) -> ui.dictionary:
     """Fields for coordinates, parameters, unknown functions and signature."""
-    hints = {
-        "coordinates": "r, phi", "parameters": "none", "unknown functions": "none, or a(t), f(r)",
-        "signature": "all +",
-    }  # fmt: skip
+    text = texts("figures", "controls", language)
     return mo.ui.dictionary(
         {
             key: mo.ui.text(
-                value=query.text(key.split()[-1], usual),
-                placeholder=hints[key],
-                label=key,
+                value=query.text(key, usual),
+                placeholder=text(f"examples.{key}"),
+                label=text(f"names.{key}"),
                 debounce=PAGE.pause,
             )
             for key, usual in _usual_names(info).items()
@@ -87,19 +102,22 @@ def _usual_names(info: Json) -> dict[str, str]:
     return {
         "coordinates": ", ".join(info["coordinates"]),
         "parameters": ", ".join(info["parameters"]),
-        "unknown functions": ", ".join(info["functions"]),
+        "functions": ", ".join(info["functions"]),
         "signature": signs if "?" not in signs else "",
     }
 
 
-def entries(mo: ModuleType, coordinates: Sequence[str], typed: Mapping[str, str]) -> ui.dictionary:
+def entries(
+    mo: ModuleType, coordinates: Sequence[str], typed: Mapping[str, str], language: str = ENGLISH
+) -> ui.dictionary:
     """A field for each entry of the coframe, by "i,k", with its current text."""
+    text = texts("figures", "controls", language)
     n = len(coordinates)
     return mo.ui.dictionary(
         {
             f"{i},{k}": mo.ui.text(
                 value=typed.get(f"{i},{k}", "1" if i == k else "0"),
-                label=f"row {i + 1}, d{greek_name(name)}",
+                label=text("row", row=i + 1, name=greek_name(name)),
                 debounce=PAGE.pause,
                 full_width=True,
             )
@@ -150,10 +168,10 @@ def tetrad_query(
     n = len(info["coordinates"])
     ones = [["1" if i == k else "0" for k in range(n)] for i in range(n)]
     usual = _usual_names(info)
-    texts = {key.split()[-1]: (values[key], usual[key]) for key in usual}
+    typed = {key: (values[key], usual[key]) for key in usual}
     return {
         "start": (str(start), first_start()),
-        **texts,
+        **typed,
         "coframe": (joined(coframe), joined(info["coframe"] or ones)),
         "show": (",".join(show), ",".join(USUAL)),
     }
@@ -170,9 +188,10 @@ def rows(values: Mapping[str, str], n: int) -> list[list[str]]:
     return [[values[f"{i},{k}"] for k in range(n)] for i in range(n)]
 
 
-def offered(mo: ModuleType, query: Query) -> ui.dictionary:
+def offered(mo: ModuleType, query: Query, language: str = ENGLISH) -> ui.dictionary:
     """Boxes for the quantities that can be shown."""
-    shown = query.some_of("show", list(OFFERED), USUAL)
+    text = texts("figures", "quantities", language)
+    shown = query.some_of("show", OFFERED, USUAL)
     return mo.ui.dictionary(
-        {name: mo.ui.checkbox(value=name in shown, label=text) for name, text in OFFERED.items()}
+        {name: mo.ui.checkbox(value=name in shown, label=text(name)) for name in OFFERED}
     )

@@ -18,6 +18,7 @@ from geomtorsion.teaching.lab.numbers import shown, table
 from geomtorsion.teaching.lab.plot import key, plane, svg
 from geomtorsion.teaching.lab.settings import PAGE
 from geomtorsion.teaching.lab.turning import Curve, Film, in_space, thinned
+from geomtorsion.teaching.texts import ENGLISH, Texts, texts
 
 if TYPE_CHECKING:
     from geomtorsion.scenes import Scene, SceneResult
@@ -25,31 +26,16 @@ if TYPE_CHECKING:
 
 # Watched for the animation and the table, whatever is chosen for the graph and the plan.
 _WATCH = ("omega", "omega_space", "matrix", "angular_momentum_space", "energy")
-# key -> label of its switch.
-SWITCHES = {
-    "gravity": "gravity, 9.81 m/s²",
-    "pivot": "fixed point, 0.5 m below the centre",
-    "damping": "damping, 0.05 N m s",
-    "rotor": "wheel on axis 3, 2 N m s",
-    "magnet": "magnet along axis 3 in a field",
-    "torsion": "torsion force",
-}
-# Quantity -> its label in the list of watched quantities.
-WATCHED = {
-    "omega": "angular velocity, body axes",
-    "omega_space": "angular velocity, space axes",
-    "nutation": "nutation angle",
-    "matrix": "attitude",
-    "energy": "energy",
-    "position": "position",
-}
-# Quantity -> labels of its components, and its unit.
+# Effects with a switch, and quantities that can be watched; the file of texts has their labels.
+SWITCHES = ("gravity", "pivot", "damping", "rotor", "magnet", "torsion")
+WATCHED = ("omega", "omega_space", "nutation", "matrix", "energy", "position")
+# Quantity -> labels of its components, None for its own label, and its unit.
 _SHOWN = {
     "omega": (("Ω₁", "Ω₂", "Ω₃"), "rad/s"),
     "omega_space": (("ω_x", "ω_y", "ω_z"), "rad/s"),
-    "nutation": (("nutation angle",), "rad"),
+    "nutation": (None, "rad"),
     "matrix": (tuple(f"R{i}{k}" for i in "₁₂₃" for k in "₁₂₃"), ""),
-    "energy": (("energy",), "J"),
+    "energy": (None, "J"),
     "position": (("x", "y", "z"), "m"),
 }
 # On a page a colour has one meaning: the colours of the chart do not occur in the animation.
@@ -63,6 +49,7 @@ def top(
     t: float,
     effects: Sequence[str] = (),
     watch: Sequence[str] = ("nutation",),
+    language: str = ENGLISH,
 ) -> Json:
     """A body with some effects, by the correct law and by the naive law.
 
@@ -78,6 +65,8 @@ def top(
         keys of SWITCHES.
     watch
         keys of WATCHED: the quantity in the graph, for which the plan is made.
+    language
+        of the words in pictures, tables and sentence.
 
     Returns
     -------
@@ -103,12 +92,13 @@ def top(
         naive = (*acting, Naive())
         wrong = scene_of(moments, omega, tilt, t, naive, every, samples).run()
     plan = scene_of(moments, omega, tilt, t, acting, watch, samples)
+    text = texts("figures", "top", language)
     return {
-        **in_space(_cones(result)),
-        "plan": _plan(plan),
-        "compared": _compared(result, wrong, watch[0]),
-        "table": _table(result, wrong),
-        "sentence": _sentence(result, wrong),
+        **in_space(_cones(result, text)),
+        "plan": _plan(plan, text),
+        "compared": _compared(result, wrong, watch[0], text),
+        "table": _table(result, wrong, text),
+        "sentence": _sentence(result, wrong, text),
         "omega": [float(x) for x in result["omega"][-1]],
         "naive": None if wrong is None else [float(x) for x in wrong["omega"][-1]],
     }
@@ -154,7 +144,7 @@ def scene_of(
     )
 
 
-def _cones(result: SceneResult) -> Film:
+def _cones(result: SceneResult, text: Texts) -> Film:
     """Body cone and space cone: one rolls on the other."""
     omega, fixed, turns = result["omega"], result["omega_space"], result["matrix"]
     size = float(np.linalg.norm(omega, axis=1).max()) or 1.0
@@ -162,14 +152,14 @@ def _cones(result: SceneResult) -> Film:
     long = float(np.linalg.norm(momentum, axis=1).max()) or 1.0
     tips = thinned((fixed / size).tolist(), PAGE.frames)
     curves = [
-        Curve(tips, _SPACE, "space cone: directions of ω in space", tip="ω", cone=True),
+        Curve(tips, _SPACE, text("space_cone"), tip="ω", cone=True),
         Curve(
             thinned(turns[:, :, 2].tolist(), PAGE.frames),
-            replace(_AXIS, width=1.4), "path of axis 3", tip="3",
+            replace(_AXIS, width=1.4), text("axis"), tip="3",
         ),
         Curve(
             [(0, 0, 0), (momentum[0] / long).tolist()],
-            replace(_MOMENTUM, end="", width=2.0), "angular momentum at the start", tip="L",
+            replace(_MOMENTUM, end="", width=2.0), text("momentum"), tip="L",
         ),
     ]  # fmt: skip
     polhode = thinned((omega / size).tolist(), PAGE.frames)
@@ -178,44 +168,45 @@ def _cones(result: SceneResult) -> Film:
     # Axis 3 ends in the mark of its path, which has its number.
     ends = {"1": (0.5, 0, 0), "2": (0, 0.5, 0), "": (0, 0, 1)}
     moving = (
-        Curve(polhode, rim, "body cone: rolls on the space cone", cone=True),
+        Curve(polhode, rim, text("body_cone"), cone=True),
         *(Curve([(0, 0, 0), end], axis, tip=tip) for tip, end in ends.items()),
     )
     return Film(
-        "top", "Body cone and space cone", ("x", "y", "z"), tuple(curves), moving,
-        note="1, 2, 3: body axes. x, y, z: fixed axes, z is the vertical.",
+        "top", text("title"), ("x", "y", "z"), tuple(curves), moving,
+        note=text("note"), language=text.language,
         attitudes=thinned(turns.tolist(), PAGE.frames),
         times=thinned(result.times.tolist(), PAGE.frames), equal=True,
     )  # fmt: skip
 
 
-def _plan(scene: Scene) -> str:
+def _plan(scene: Scene, text: Texts) -> str:
     """A table of the simulated and the omitted parts."""
     plan = scene.selection
     rows = [
-        ["included" if row.inside else "omitted", row.kind, row.name, row.reason]
+        [text("included" if row.inside else "omitted"), text(row.kind), row.name, row.reason]
         for row in plan.rows
     ]
-    watched = ", ".join(WATCHED.get(name, name) for name in scene.watch)
-    caption = f"Equations that are needed for the {watched}: {len(plan.states)}"
-    return table(("", "kind", "name", "reason"), rows, caption)
+    watched = ", ".join(text(f"watched.{name}") for name in scene.watch)
+    caption = text("plan", quantity=watched, count=len(plan.states))
+    return table(("", text("kind"), text("name"), text("reason")), rows, caption)
 
 
-def _compared(result: SceneResult, wrong: SceneResult | None, watch: str) -> str:
+def _compared(result: SceneResult, wrong: SceneResult | None, watch: str, text: Texts) -> str:
     """The watched quantity over time; its component with the largest error of the naive law."""
     names, unit = _SHOWN[watch]
     right = result[watch].reshape(len(result.times), -1)
     naive = right if wrong is None else wrong[watch].reshape(right.shape)
     differences = np.abs(right - naive).max(axis=0)
     k = int((differences if differences.any() else np.ptp(right, axis=0)).argmax())
-    label = names[k]
-    title = f"{label} over time" + ("" if wrong is None else ", by both laws")
-    figure, axes = plane(title, ("t in s", f"{label} in {unit}" if unit else label), height=3.4)
-    axes.plot(result.times, right[:, k], **_RIGHT.line, label="right law: L′ + Ω × L = M")
+    label = text(f"watched.{watch}") if names is None else names[k]
+    title = text("over" if wrong is None else "over_both", quantity=label)
+    upright = text("unit", quantity=label, unit=unit) if unit else label
+    figure, axes = plane(title, (text("t"), upright), height=3.4)
+    axes.plot(result.times, right[:, k], **_RIGHT.line, label=text("right"))
     if wrong is not None:
-        axes.plot(result.times, naive[:, k], **_NAIVE.line, label="naive law: L′ = M")
+        axes.plot(result.times, naive[:, k], **_NAIVE.line, label=text("naive"))
     key(figure, axes)
-    return svg(figure)
+    return svg(figure, text.language)
 
 
 def _change(values: np.ndarray) -> float:
@@ -224,10 +215,10 @@ def _change(values: np.ndarray) -> float:
     return float(moved / (np.linalg.norm(values, axis=-1).max() or 1.0))
 
 
-def _table(result: SceneResult, wrong: SceneResult | None) -> str:
+def _table(result: SceneResult, wrong: SceneResult | None, text: Texts) -> str:
     """Engine, cost and conserved quantities of each solution."""
     rows = []
-    for name, motion in (("right law", result), ("naive law", wrong)):
+    for name, motion in ((text("right_law"), result), (text("naive_law"), wrong)):
         if motion is None:
             continue
         energy = motion["energy"]
@@ -241,21 +232,17 @@ def _table(result: SceneResult, wrong: SceneResult | None) -> str:
                 shown(float(abs(energy - energy[0]).max()) / scale, PAGE.accuracy),
             ]
         )
-    heads = ("", "method", "error", "change of L in space", "change of energy")
-    return table(heads, rows, "Methods and errors, and relative changes of L and of the energy")
+    named = ("method", "error", "change_momentum", "change_energy")
+    return table(("", *map(text, named)), rows, text("caption"))
 
 
-def _sentence(result: SceneResult, wrong: SceneResult | None) -> str:
+def _sentence(result: SceneResult, wrong: SceneResult | None, text: Texts) -> str:
     """Description of the result in words."""
     change = _change(result["angular_momentum_space"])
-    right = (
-        "The angular momentum is constant in space"
-        if change < 1e3 * PAGE.accuracy
-        else "Torques act, so the angular momentum changes in space"
-    )
+    right = text("constant" if change < 1e3 * PAGE.accuracy else "torques")
     if wrong is None:
-        return f"{right}. With the torsion force there is no naive law to compare with."
+        return f"{right} {text('no_naive')}"
     naive_change = _change(wrong["angular_momentum_space"])
     if max(change, naive_change) < 1e3 * PAGE.accuracy:
-        return f"{right}. Both laws agree here."
-    return f"{right}. By the naive law it changes by {naive_change:.1%}."
+        return f"{right} {text('agree')}"
+    return f"{right} {text('differ', share=f'{naive_change:.1%}')}"

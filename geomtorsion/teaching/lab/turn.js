@@ -269,12 +269,12 @@
     const stop = () => {
       cancelAnimationFrame(running);
       running = 0;
-      play.textContent = "Play";
+      play.textContent = data.play;
     };
     play.addEventListener("click", () => {
       if (running) { stop(); return; }
       if (slider.value === slider.max) slider.value = 0;
-      play.textContent = "Pause";
+      play.textContent = data.pause;
       last = performance.now();
       running = requestAnimationFrame(step);
     });

@@ -14,8 +14,9 @@ from pathlib import Path
 from typing import TYPE_CHECKING, TypeVar
 
 from geomtorsion.pictures.style import Stroke
-from geomtorsion.teaching.lab.plot import SAVE, saving
+from geomtorsion.teaching.lab.plot import save, saving
 from geomtorsion.teaching.lab.settings import PAGE
+from geomtorsion.teaching.texts import ENGLISH, code_of, texts
 
 if TYPE_CHECKING:
     # The exercises take longer to load than the rest of these pictures.
@@ -68,7 +69,7 @@ class Film:
     curves: fixed in space. moving: lines fixed in the body. attitudes: rotation matrices.
     times: of attitudes and of the points of curves; an animation if there are any.
     globe: radius of an opaque sphere; equal: lengths are true.
-    turn: initial angle of the eye about the third axis, rad.
+    turn: initial angle of the eye about the third axis, rad. language: of buttons and hints.
     """
 
     name: str
@@ -82,6 +83,7 @@ class Film:
     equal: bool = False
     note: str = field(default="")
     turn: float = -0.9
+    language: str = ENGLISH
 
 
 def turnable(scene: Film) -> str:
@@ -95,6 +97,7 @@ def turnable(scene: Film) -> str:
     >>> "http" in page.replace("http://www.w3.org", ""), page.count("<canvas")
     (False, 2)
     """
+    text = texts("figures", "figure", scene.language)
     data = {
         "name": scene.name,
         "axes": list(scene.axes),
@@ -106,15 +109,18 @@ def turnable(scene: Film) -> str:
         "equal": scene.equal,
         "seconds": PAGE.duration,
         "turn": scene.turn,
+        "play": text("play"),
+        "pause": text("pause"),
     }
     # In a script element only the end tag of the element ends the text.
-    text = json.dumps(data, separators=(",", ":")).replace("</", "<\\/")
+    content = json.dumps(data, separators=(",", ":")).replace("</", "<\\/")
     film = ""
     if len(scene.times) > 1:
         film = (
-            '<div class="player"><button id="play" type="button">Play</button>'
+            f'<div class="player"><button id="play" type="button">{escape(text("play"))}</button>'
             f'<input id="time" type="range" min="0" max="{len(scene.times) - 1}" '
-            f'value="{len(scene.times) - 1}" aria-label="time"><output id="clock"></output></div>'
+            f'value="{len(scene.times) - 1}" aria-label="{escape(text("time"))}">'
+            '<output id="clock"></output></div>'
         )
     legend = "".join(
         f'<li><canvas data-curve="{number}" aria-hidden="true"></canvas>{escape(curve.label)}</li>'
@@ -123,22 +129,24 @@ def turnable(scene: Film) -> str:
     )
     note = f"{scene.note} " if scene.note else ""
     return (
-        '<!doctype html><html lang="en"><head><meta charset="utf-8">'
+        f'<!doctype html><html lang="{escape(code_of(scene.language))}">'
+        '<head><meta charset="utf-8">'
         f"<title>{escape(scene.title)}</title><style>{_STYLE}</style></head><body>"
         f"<h1>{escape(scene.title)}</h1>"
         f'<canvas id="space" tabindex="0" role="img" aria-label="{escape(scene.title)}; '
-        'arrow keys turn it"></canvas>'
-        f"{film}<ul>{legend}</ul>{SAVE}"
-        f"<p>{escape(note)}Drag or use the arrow keys to turn; + and − zoom.</p>"
-        f'<script type="application/json" id="data">{text}</script>'
+        f'{escape(text("keys"))}"></canvas>'
+        f"{film}<ul>{legend}</ul>{save(scene.language)}"
+        f"<p>{escape(note)}{escape(text('turning'))}</p>"
+        f'<script type="application/json" id="data">{content}</script>'
         f"<script>{_script()}{saving()}</script></body></html>"
     )
 
 
 def in_space(scene: Film) -> Json:
     """A picture in space as part of a reply: `space`, its document, and `title`."""
-    kind = "Animation" if len(scene.times) > 1 else "Figure"
-    return {"space": turnable(scene), "title": f"{kind}: {scene.title}"}
+    text = texts("figures", "figure", scene.language)
+    kind = "animation" if len(scene.times) > 1 else "figure"
+    return {"space": turnable(scene), "title": text(kind, title=scene.title)}
 
 
 @cache

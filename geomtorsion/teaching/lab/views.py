@@ -85,7 +85,7 @@ def _terms(guide: Guide, language: str) -> str:
     return f'<h3>{title}</h3><dl class="words">{items}</dl>' if items else ""
 
 
-def copy_button(latex: str, what: str) -> str:
+def copy_button(latex: str, what: str, language: str = ENGLISH) -> str:
     """A button that copies LaTeX; the page's own script handles it.
 
     Examples
@@ -93,9 +93,11 @@ def copy_button(latex: str, what: str) -> str:
     >>> copy_button("a < b", "Metric").count("&lt;")
     1
     """
+    text = texts("figures", "figure", language)
     return (
         f'<button type="button" class="copy" data-latex="{escape(latex)}" '
-        f'aria-label="Copy LaTeX: {escape(what)}">Copy LaTeX</button>'
+        f'data-copied="{escape(text("copied"))}" data-failed="{escape(text("not_copied"))}" '
+        f'aria-label="{escape(text("copy_what", what=what))}">{escape(text("copy"))}</button>'
     )
 
 
@@ -142,8 +144,8 @@ def tetrad(reply: Json, language: str = ENGLISH) -> str:
     faults = len(reply.get("errors", {}))
     message = ""
     if faults:
-        entries = "1 entry" if faults == 1 else f"{faults} entries"
-        message = notice(f"{entries} cannot be read. Read the message below each, and correct it.")
+        text = texts("figures", "controls", language)
+        message = notice(text("faults_one") if faults == 1 else text("faults", count=faults))
     shown = reply.get("html", "")
     return wrapped(problem(reply) + message + shown + (words(TETRAD, language) if shown else ""))
 
@@ -230,9 +232,10 @@ def paths_below(reply: Json, language: str = ENGLISH) -> str:
 @_or_problem
 def costs(reply: Json, language: str) -> str:
     """Picture, advice and measurements."""
-    truth = (
-        f" The errors are measured against {escape(reply['truth'])}." if "truth" in reply else ""
-    )
+    truth = ""
+    if "truth" in reply:
+        text = texts("figures", "costs", language)("truth", truth=reply["truth"])
+        truth = f" {escape(text)}"
     result = _result(reply["advice"] + truth, "costs-result")
     terms = words(COSTS, language)
     return f'{result}<div class="one">{reply["picture"]}</div>{reply["table"]}{terms}'

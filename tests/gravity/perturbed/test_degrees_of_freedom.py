@@ -10,6 +10,7 @@ import geomtorsion as gt
 from geomtorsion import gravity as g
 from geomtorsion.errors import GeomtorsionError
 from geomtorsion.gravity import perturbed
+from tests.chosen import few
 
 A2 = g.invariant("A2", "A_a A^a")
 CHERN_SIMONS = g.invariant("CS", "eps^abc A_a F_bc")
@@ -22,13 +23,16 @@ count = perturbed.degrees_of_freedom
 @pytest.mark.parametrize("n", [3, 4])
 @pytest.mark.parametrize(
     ("lagrangian", "options", "number"),
-    [
-        ("-X/2 - phi**2/2 - phi**4/4", {"scalars": "phi"}, lambda n: 1),
-        ("-F2/4", {"vectors": 1}, lambda n: n - 2),
-        ("-F2/4 - A2/2", {"vectors": 1, "invariants": A2}, lambda n: n - 1),
-        ("-F2/4 - A2/2 - A2**2/8", {"vectors": 1, "invariants": A2}, lambda n: n - 1),
-        ("-X/2 - F2*(1 + phi)/4", {"scalars": "phi", "vectors": 1}, lambda n: n - 1),
-    ],
+    few(
+        3,
+        [
+            ("-X/2 - phi**2/2 - phi**4/4", {"scalars": "phi"}, lambda n: 1),
+            ("-F2/4", {"vectors": 1}, lambda n: n - 2),
+            ("-F2/4 - A2/2", {"vectors": 1, "invariants": A2}, lambda n: n - 1),
+            ("-F2/4 - A2/2 - A2**2/8", {"vectors": 1, "invariants": A2}, lambda n: n - 1),
+            ("-X/2 - F2*(1 + phi)/4", {"scalars": "phi", "vectors": 1}, lambda n: n - 1),
+        ],
+    ),
 )
 def test_matter_in_flat_space(n: int, lagrangian: str, options: dict[str, Any], number: Any):
     """Scalar 1, Maxwell n - 2, Proca n - 1 with and without a quartic term, and a sum."""
@@ -72,8 +76,8 @@ def test_chern_simons_has_none():
 
 @pytest.mark.parametrize(
     ("lagrangian", "geometry", "gauge"),
-    [("R", "riemannian", 3), ("R - 2*Lambda", "riemannian", 3), ("R", "poincare", 6),
-     ("T", "teleparallel", 6)],
+    few(1, [("R", "riemannian", 3), ("R - 2*Lambda", "riemannian", 3), ("R", "poincare", 6),
+            ("T", "teleparallel", 6)]),
 )  # fmt: skip
 def test_gravity_in_three_dimensions_has_none(lagrangian: str, geometry: str, gauge: int):
     """General relativity in its three forms: n(n - 3)/2 = 0, with its gauge functions."""
@@ -98,6 +102,7 @@ def test_f_of_t_in_three_dimensions():
     assert sum(m for m, _ in answer.gauge) == 3
 
 
+@pytest.mark.slow
 def test_f_of_t_in_the_vacuum():
     """The coupling of the scalar is turned off step by step: f(T) has 2."""
     options: Any = {"dimension": 3, "scalars": {"phi": "log(1 + t)"}, "constants": "s"}
@@ -152,7 +157,7 @@ def test_new_general_relativity_in_three_dimensions():
     assert count("T + c*vector2", "teleparallel", dimension=3, order=7).number == 2
 
 
-@pytest.mark.parametrize("order", [5, 6, 7])
+@pytest.mark.parametrize("order", few(1, [5, 6, 7]))
 def test_f_of_q_is_not_settled(order: int):
     """Numbers of f(Q) fall at each order: no count, also where the last differences agree."""
     answer = count("Q + c*Q**2 + X/2", "symmetric teleparallel", dimension=3, near=UNIVERSE,

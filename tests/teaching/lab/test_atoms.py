@@ -60,13 +60,13 @@ def test_a_crystal_is_clicked(shared_lab: Watched):
     assert "Its gap from start to end is b = (−1, 0)" in said.inner_text()
     frame.locator("#restart").click()
     around = (-4, -2), (4, 3)
-    for atom in corners("one edge dislocation", *around):
+    for atom in corners("one", *around):
         frame.locator(f'circle[data-atom="{atom}"]').click()
-    assert closure("one edge dislocation", ring("one edge dislocation", *around)) == [-1, 0]
+    assert closure("one", ring("one", *around)) == [-1, 0]
     assert re.search(
         r"anticlockwise: the circuit closes in the crystal, but.*b = \(−1, 0\)", said.inner_text()
     )
-    frame.locator("#which").select_option("no dislocation")
+    frame.locator("#which").select_option("none")
     frame.locator("#crystal").focus()
     for key in ("ArrowUp", "ArrowRight", "ArrowUp", "ArrowLeft", "ArrowDown"):
         page.keyboard.press(key)
