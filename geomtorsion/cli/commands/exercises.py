@@ -27,6 +27,8 @@ class ExerciseCommands(LazyGroup):
         "grade": "Grade a folder of answers.",
         "check": "Check answers, and name the likely mistake; ends with 1 if one is wrong.",
     }
+    # Grading has a limit for each answer.
+    limited = frozenset({"export", "sheet", "solution"})
     # An answer may begin with a minus sign, so -h(...) must not request help.
     settings: ClassVar = {
         "check": {"ignore_unknown_options": True, "help_option_names": ["--help"]}
