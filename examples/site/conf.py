@@ -42,6 +42,7 @@ extensions = [
     "tables",
     "classroom",
     "laws",
+    "notebooks",
     "steps",
     "topics",
 ]

@@ -73,7 +73,8 @@ class Commands(LazyGroup):
         "Defects and data": ("burgers", "circuit", "map", "crystal", "network", "stress"),
         "Teaching": ("lab", "exercises"),
     }  # fmt: skip
-    limited = frozenset(summaries) - {"spaces", "network", "scenes", "lab", "exercises"}
+    # Lists are printed at once, and the page is served until Ctrl-C.
+    limited = frozenset(summaries) - {"spaces", "scenes", "lab", "exercises"}
 
 
 app = typer.Typer(

@@ -27,9 +27,9 @@ from geomtorsion.ode.pieces import BranchedGraph, has_pieces, term_graph
 from geomtorsion.ode.rates import CLOCK, Rates, names_in
 from geomtorsion.ode.roots import shares_left
 from geomtorsion.ode.stages import Stages
-from geomtorsion.ode.switching import Switching, moments
+from geomtorsion.ode.switching import Switching
 from geomtorsion.ode.system import System
-from geomtorsion.ode.terms import At, Terms, When
+from geomtorsion.ode.terms import At, Terms, When, moments
 from geomtorsion.ode.trajectory import Event, Segment, Stage, State, Trajectory
 from geomtorsion.ode.writing import number_text, numbers_text, term_text, terms_text
 from geomtorsion.support import checks

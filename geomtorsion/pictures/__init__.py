@@ -32,6 +32,7 @@ if TYPE_CHECKING:
     from geomtorsion.pictures.orbits import draw_closed_orbit
     from geomtorsion.pictures.parallelogram import draw_parallelogram
     from geomtorsion.pictures.particles import draw_particles
+    from geomtorsion.pictures.plane_crystals import draw_plane_crystal
     from geomtorsion.pictures.prices import draw_price
     from geomtorsion.pictures.report import write_report
     from geomtorsion.pictures.ringing import draw_ringing
@@ -67,6 +68,7 @@ _HOMES = {
     "draw_parallelogram": "parallelogram",
     "draw_particles": "particles",
     "draw_plan": "notebook_pictures",
+    "draw_plane_crystal": "plane_crystals",
     "draw_post_newtonian": "solar_system",
     "draw_price": "prices",
     "draw_ringing": "ringing",
@@ -103,6 +105,7 @@ __all__ = [
     "draw_parallelogram",
     "draw_particles",
     "draw_plan",
+    "draw_plane_crystal",
     "draw_post_newtonian",
     "draw_price",
     "draw_ringing",

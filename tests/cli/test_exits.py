@@ -14,6 +14,7 @@ import geomtorsion as gt
 from geomtorsion import errors
 from geomtorsion.cli.exits import more_on
 from tests.cli.running import run
+from tests.materials.lines.synthetic_networks import rings
 from tests.processes import interruptible
 
 ROOT = Path(__file__).parent.parent.parent
@@ -208,6 +209,20 @@ def test_a_limited_command_has_its_input_and_output(tmp_path):
             answers.append((*running.communicate(loops, timeout=100), running.returncode))
     assert answers[0] == answers[1]
     assert answers[0][0] or answers[0][1]
+
+
+@pytest.mark.parametrize("line", ["network FILE", "exercises sheet 1 -o OUT"])
+def test_long_work_takes_a_limit(line, tmp_path):
+    """A short limit ends the command with a message, without files; a negative one is refused."""
+    file = tmp_path / "chains.data"
+    gt.DislocationNetwork.of_arrays(rings(20, seed=6)).save(file)
+    words = line.replace("FILE", str(file)).replace("OUT", str(tmp_path / "out")).split()
+    with process(*words, "--seconds", "1e-6") as running:
+        _, error = running.communicate(timeout=100)
+    assert running.returncode == 2
+    assert "the work takes more than 1e-06 s" in error
+    assert "expected a positive number" in run(*words, "--seconds", "-1", code=2).stderr
+    assert [path.name for path in tmp_path.iterdir()] == ["chains.data"]
 
 
 @pytest.mark.skipif(sys.platform == "win32", reason="there is no such limit")

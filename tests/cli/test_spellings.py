@@ -35,6 +35,20 @@ def test_one_spelling_for_values_formats_and_limits() -> None:
         assert "--format" in words or "--picture-format" not in words, name
 
 
+def test_each_option_occurs_once() -> None:
+    """No command has two options of one spelling, in groups of commands as well."""
+    group: Any = typer.main.get_command(app)
+    context = group.make_context("geomtorsion", [], resilient_parsing=True)
+    commands = [group.get_command(context, name) for name in group.list_commands(context)]
+    inner = [one for one in commands if hasattr(one, "list_commands")]
+    assert inner
+    for one in inner:
+        commands += [one.get_command(context, name) for name in one.list_commands(context)]
+    for command in commands:
+        words = [word for parameter in command.params for word in parameter.opts]
+        assert len(words) == len(set(words)), command.name
+
+
 LINES = [
     "fit s2 FILE --free theta --start 1,0 --velocity 0,1 --sigma 0.1",
     "curve s2 --t 1 --parameters R=2",

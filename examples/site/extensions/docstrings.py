@@ -63,15 +63,27 @@ def _homes() -> dict[str, list[str]]:
 
 
 def with_formulas(line: str) -> str:
-    """A sentence with its mathematics set as formulas."""
+    """A sentence with its mathematics set as formulas, and with its `code` as code."""
     parts: list[str] = []
-    for kind, text in pieces(line):
-        if kind == "text":
-            parts.append(escaped(text))
-        else:
-            latex, stop = text.split("\0")
-            parts.append(rf"\ :math:`{latex}`\ {stop}")
-    return " ".join(parts)
+    place = 0
+    for code in [*_CODE.finditer(line), None]:
+        text = line[place : code.start() if code else len(line)]
+        # Blanks beside code are kept.
+        inner = " ".join(_set(*piece) for piece in pieces(text))
+        parts += [text[: len(text) - len(text.lstrip())], inner]
+        parts += [text[len(text.rstrip()) :] if text.strip() else ""]
+        if code:
+            parts.append(_code(code[2]))
+            place = code.end()
+    return "".join(parts)
+
+
+def _set(kind: str, text: str) -> str:
+    """A piece of a sentence: a word as it is, mathematics as a formula."""
+    if kind == "text":
+        return escaped(text)
+    latex, stop = text.split("\0")
+    return rf"\ :math:`{latex}`\ {stop}"
 
 
 def _paragraphs(lines: Iterable[str]) -> Iterator[list[str]]:

@@ -18,11 +18,15 @@ _REWRITTEN = (
     (re.compile(r"\bGamma_bar"), "Γ̄"),
     (re.compile(r"\b([RD])_bar"), "\\1̄"),
     (re.compile(r"\^(-\w+)"), r"^{\1}"),
+    (re.compile(r"\^\(((?:[^()]|\([^()]*\))*)\)"), r"^{\1}"),
     (re.compile(r"([_^])(mu|nu|rho) (mu|nu|rho)\b"), r"\1{\2 \3}"),
     (re.compile(r"\bdelta-bar "), "δ̄ "),
     (re.compile(r"(?<=[\w)]) x (?=[A-Z(v])"), " × "),
     (re.compile(r" \. "), " ⋅ "),
-    (re.compile(r"\b([A-Za-z]|phi|theta)(\d)\b(?!\()"), r"\1_\2"),
+    (re.compile(r"\b([A-Za-z]|phi|theta)(\d)\b(?!\()(?![^{}]*\})"), r"\1_\2"),
+    (re.compile(r"\bpartial(?=_)"), "∂"),
+    (re.compile(r"(?<![\w)\]}])\*(?=\w)"), "⋆"),
+    (re.compile(r"\bsqrt\|([^|]*)\|"), r"√(|\1|)"),
     (re.compile(r"(?<=\s)\^(?=\s)"), "∧"),
     (re.compile(r"\b(?:closed|loop) integral(?: of)?\b"), "∮"),
     (re.compile(r"\bintegral(?: of)?(?=_|\b)"), "∫"),
@@ -30,6 +34,7 @@ _REWRITTEN = (
     (re.compile(r"\bsqrt\b"), "√"),
     (re.compile(r"\beps(?=_|\b)"), "ε"),
     (re.compile(r"\bpi\b"), "π"),
+    (re.compile(r"\.\.\."), "…"),
     (re.compile("->"), "→"),
     (re.compile("!="), "≠"),
     (re.compile("<="), "≤"),
@@ -45,7 +50,13 @@ _GREEK_INDEX = re.compile(rf"([_^])({_LETTERS})(?![a-z])")
 _TWO_INDICES = re.compile(r"([_^])\{(\w)\}\1\{(\w)\}")
 _CAPITALS = {"Γ": r"\Gamma ", "Ω": r"\Omega ", "Φ": r"\Phi "}
 _WORD = re.compile(r"[a-z]{2,}|[A-Z][a-z]+|a|A|I")
-_NAME = re.compile(r"\b[a-z]{3,}_[a-z]{3,}|_in_|[A-Z]'s|[`\"\[][A-Za-z]{4,}|\.py|[0-9]{4}\]")
+_NAME = re.compile(
+    # Names of code, bars and abbreviations, which are not letters with indices.
+    r"\b[a-z]{3,}_(?:[a-z]{3,}|[A-Z])|_[A-Z]{2}|_in_|\b(?!Gamma_|R_|D_)\w+_bar\b|\^vee|"
+    r"[A-Z]'s|\"|[`\[][A-Za-z]{4,}|\.py|[0-9]{4}\]"
+)
+# A word with a hyphen, as one-forms, and a possessive, as Newton's.
+_JOINED = re.compile(r"(?!delta-)[A-Za-z]{3,}-[a-z]{3,}|[A-Za-z]{3,}'s?")
 _SIGNS = re.compile(r"[=^_']|->")
 _SOURCE = re.compile(r"\s{2,}(?=[\[(])|\s+(?=\[[A-Z][A-Za-z]+[0-9]{4})")
 # More words than this in a line make it a sentence.
@@ -93,7 +104,10 @@ def is_word(token: str) -> bool:
     """Whether a token is a word of prose, perhaps with a stop."""
     bare = token.strip(",.;:()")
     known = bare in FUNCTIONS or bare in GREEK or bare in ("sqrt", "eps", "integral")
-    return bool(_WORD.fullmatch(bare)) and not known and not _DIFFERENTIAL.fullmatch(bare)
+    is_prose = _WORD.fullmatch(bare) or (
+        _JOINED.fullmatch(bare) and bare.split("'")[0] not in GREEK
+    )
+    return bool(is_prose) and not known and not _DIFFERENTIAL.fullmatch(bare)
 
 
 def whole_line(line: str) -> tuple[str, str] | None:
@@ -116,6 +130,10 @@ def pieces(line: str) -> list[tuple[str, str]]:
     for token in [*line.split(), "end"]:
         if not is_word(token):
             run.append(token)
+            # A colon ends a formula, and another one may follow.
+            if token.endswith((":", ";")):
+                found += _piece(" ".join(run))
+                run = []
             continue
         if run:
             found += _piece(" ".join(run))
@@ -126,6 +144,9 @@ def pieces(line: str) -> list[tuple[str, str]]:
 
 def _piece(text: str) -> list[tuple[str, str]]:
     body = text.rstrip(",.;:")
+    if body.endswith((" +", " -")):
+        # The last term is in words.
+        return [*_piece(body[:-2]), ("text", body[-1])]
     halves = sum(body.endswith(sign) or body.startswith(sign) for sign in ("=", "+", "-", "/"))
     even = all(body.count(a) == body.count(b) for a, b in ("()", "[]", "{}"))
     if halves or not even or not _SIGNS.search(body) or _NAME.search(body):

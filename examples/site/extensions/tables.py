@@ -74,7 +74,9 @@ class BurgersConventions(_Lines):
 
     def lines(self) -> list[str]:
         """One row for each."""
-        rows = [(", ".join(one.names), f"{one.sign:+d}", escaped(one.meaning)) for one in BURGERS]
+        rows = [
+            (", ".join(one.names), f"{one.sign:+d}", with_formulas(one.meaning)) for one in BURGERS
+        ]
         return table(("called", "sign", "how b is found"), rows)
 
 

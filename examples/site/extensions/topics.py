@@ -12,7 +12,7 @@ import re
 from collections.abc import Iterable
 from inspect import ismodule
 
-from docstrings import escaped
+from docstrings import with_formulas
 from docutils import nodes
 from docutils.statemachine import StringList
 from sphinx.util.docutils import SphinxDirective
@@ -83,13 +83,13 @@ def table(package: str, names: Iterable[str]) -> list[str]:
 
 
 def first_line(value: object) -> str:
-    """First sentence of a docstring, without the name of a module."""
+    """First sentence of a docstring with its formulas, without the name of a module."""
     paragraph = (getattr(value, "__doc__", None) or "").strip().split("\n\n")[0]
     text = " ".join(paragraph.split())
     if ismodule(value):
         text = re.sub(r"^\w+: ", "", text)
     found = re.match(r".*?\.(?=\s|$)", text)
-    return escaped(found[0] if found else text)
+    return with_formulas(found[0] if found else text)
 
 
 class Topics(SphinxDirective):

@@ -7,7 +7,7 @@ import json
 from collections.abc import Callable
 from itertools import product
 from pathlib import Path
-from typing import Annotated, Any
+from typing import TYPE_CHECKING, Annotated, Any
 
 import numpy as np
 import typer
@@ -17,12 +17,13 @@ from geomtorsion.cli.options import Form, argument, directory, option
 from geomtorsion.cli.terminal import some_rows
 from geomtorsion.conventions import burgers
 from geomtorsion.errors import CheckpointError, CrystalError, GeomtorsionError, MissingExtraError
-from geomtorsion.materials.crystals import LATTICES
+from geomtorsion.materials.crystals import LATTICES, PlaneCrystal
 from geomtorsion.materials.crystals.atom_files import is_atom_array
 from geomtorsion.materials.crystals.reports import Json, followed
 from geomtorsion.materials.crystals.trajectories import Wanted, forget, is_begun, reports
 from geomtorsion.materials.lines import DislocationNetwork
 from geomtorsion.pictures.network import draw_lines
+from geomtorsion.pictures.plane_crystals import draw_plane_crystal
 from geomtorsion.pictures.style import SERIES, Stroke, save
 from geomtorsion.support.checks import cut, shown
 from geomtorsion.support.files import (
@@ -36,6 +37,8 @@ from geomtorsion.support.outgoing import csv_cell
 from geomtorsion.support.progress import bar
 from geomtorsion.teaching.lab.turning import Curve, Film, turnable
 
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
 FRAMES = "frames"
 # Words for regions that are not a lattice.
 _REGIONS = {"wall": "in walls", "none": "without a lattice"}
@@ -125,13 +128,13 @@ def crystal(
                 f"{name}: expected a file .npy or .npz, got {file.name}, which has its own cell. "
                 "Omit the option."
             )
-    names = None if species is None else tuple(x.strip() for x in species.split(","))
+    names = None if species is None else tuple(map(str.strip, species.split(",")))
     settings = Wanted(
         lattice, _axes(orient), constant, read_as, partials, convention, edges, axes, names
     )
     folder = _folder(output, resume=resume, overwrite=overwrite)
     documents: list[Json] = []
-    line_makers: list[Callable[[], DislocationNetwork]] = []
+    line_makers: list[Callable[[], DislocationNetwork | PlaneCrystal]] = []
 
     def left() -> str:
         return f"; {len(documents)} frames are in {folder}; resume with --resume" if folder else ""
@@ -404,21 +407,21 @@ def _loop(line: Json) -> str:
     return f"  line {line['track']} encloses b . A = {abs(count):.4g} {what}"
 
 
-def _save(document: Json, net: DislocationNetwork, folder: Path) -> None:
+def _save(document: Json, net: DislocationNetwork | PlaneCrystal, folder: Path) -> None:
     """JSON of all frames, tracks of several, and the last one as lines and pictures."""
     make_folder(folder)
     frames, name = document["frames"], document["file"]
     paths = [folder / "crystal.json", folder / "crystal.html"]
     write_text(paths[0], json.dumps(document, indent=1) + "\n")
-    if "points" in frames[0]:
-        typer.echo(f"wrote {paths[0]}", err=True)
-        return
+    left_out: list[str] = []
+    if isinstance(net, PlaneCrystal):
+        drawn = _picture(lambda: draw_plane_crystal(net), folder, left_out)
+        return _report([paths[0], *drawn], left_out)
     title = name if len(frames) == 1 else f"{name}, frame {frames[-1]['frame']}"
     write_text(paths[1], _page(frames[-1], title))
     if len(frames) > 1:
         paths.append(folder / "tracks.csv")
         _write_tracks(frames, paths[-1])
-    left_out = []
     if net.lines:
         for end in (".vtk", ".data", ".ca"):
             try:
@@ -426,14 +429,24 @@ def _save(document: Json, net: DislocationNetwork, folder: Path) -> None:
                 paths.append(folder / f"lines{end}")
             except GeomtorsionError as error:
                 left_out.append(f"no lines{end}: {error}")
-        try:
-            save(draw_lines(net), folder / "crystal.png")
-            paths.append(folder / "crystal.png")
-        except MissingExtraError as error:
-            left_out.append(f"no picture: {error}")
-    for text in left_out:
+        paths += _picture(lambda: draw_lines(net), folder, left_out)
+    _report(paths, left_out)
+
+
+def _picture(draw: Callable[[], Figure], folder: Path, left_out: list[str]) -> list[Path]:
+    """The picture of a crystal; without matplotlib, the reason is added to left_out."""
+    try:
+        save(draw(), folder / "crystal.png")
+        return [folder / "crystal.png"]
+    except MissingExtraError as error:
+        left_out.append(f"no picture: {error}")
+        return []
+
+
+def _report(paths: list[Path], left_out: list[str]) -> None:
+    """Which files are written, and which are not."""
+    for text in [*left_out, f"wrote {', '.join(map(str, paths))}"]:
         typer.echo(text, err=True)
-    typer.echo(f"wrote {', '.join(map(str, paths))}", err=True)
 
 
 def _page(report: Json, title: str) -> str:

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass
 from fractions import Fraction
-from typing import Any
+from typing import Any, ClassVar
 
 import numpy as np
 import scipy  # loads its subpackages at first use
@@ -33,6 +33,7 @@ from geomtorsion.materials.crystals.plane_lattices import (
 )
 from geomtorsion.support import checks
 from geomtorsion.support.caching import cached_property
+from geomtorsion.support.displays import Plot, figure_by
 
 
 @dataclass(frozen=True)
@@ -323,7 +324,6 @@ class PlaneCrystal:
     def dislocations(self) -> tuple[PlaneDislocation, ...]:
         """Dislocations inside grains, sorted by position; pairs in one core cancel.
 
-
         Vacancies and interstitial atoms have no b; a hole has the b of a circuit around it. Cores
         that touch the rim or a boundary of grains have no circuit around them and are omitted.
         """
@@ -395,6 +395,8 @@ class PlaneCrystal:
         values = np.where(forward[:, None], 1, -1) * labels.reshape(-1, 2)
         _, first = np.unique(pairs, axis=0, return_index=True)
         return Cochain(Complex.of_edges(pairs[first], self.count), values[first])
+
+    plot: ClassVar[Plot] = figure_by("plane_crystals", "draw_plane_crystal")
 
     def __repr__(self) -> str:
         size = f"{self.count:,} atoms in a plane, {len(self.grains)} grain"

@@ -56,8 +56,8 @@ def reports(
     wanted: Wanted,
     folder: Path | None = None,
     seen: Callable[[float, int, str], object] = lambda done, total, what: None,
-) -> Iterator[tuple[Json, Callable[[], DislocationNetwork]]]:
-    """The report of each frame, and a function that gives its lines.
+) -> Iterator[tuple[Json, Callable[[], DislocationNetwork | PlaneCrystal]]]:
+    """The report of each frame, and a function that returns its lines, or its atoms in a plane.
 
     Parameters
     ----------
@@ -103,7 +103,7 @@ def reports(
                 # The report is written last: where it exists, all files of its frame do.
                 write_text(file, json.dumps(report))
         seen(number + 1, total, "lines")
-        yield report, frame.lines
+        yield report, frame.drawn
 
 
 def _atoms(path: Path, wanted: Wanted) -> AtomData:
@@ -126,21 +126,23 @@ class _Frame:
         return crystal_of(self.data, options.lattice, axes, options.constant, self.known)
 
     @cached_property
-    def network(self) -> DislocationNetwork:
-        """The lines of the frame; none of atoms in a plane."""
+    def defects(self) -> DislocationNetwork | PlaneCrystal:
+        """The lines of the frame, or the atoms in a plane, whose dislocations are points."""
         if isinstance(self.crystal, PlaneCrystal):
-            return DislocationNetwork.of_lines([])
+            return self.crystal
         return self.crystal.dislocations(self.wanted.partials)
 
-    def lines(self) -> DislocationNetwork:
-        """The lines of the frame, as a method."""
-        return self.network
+    def drawn(self) -> DislocationNetwork | PlaneCrystal:
+        """The defects of the frame, as a method."""
+        return self.defects
 
     def report(self) -> Json:
         """The report of the frame."""
-        if isinstance(self.crystal, PlaneCrystal):
-            return plane_report(self.crystal, self.wanted.convention)
-        return crystal_report(self.crystal, self.network, self.wanted.convention)
+        defects, convention = self.defects, self.wanted.convention
+        if isinstance(defects, PlaneCrystal):
+            return plane_report(defects, convention)
+        assert isinstance(self.crystal, Crystal)
+        return crystal_report(self.crystal, defects, convention)
 
 
 def _owner(kept: Path, report: Json) -> np.ndarray:

@@ -192,6 +192,7 @@ def test_graphene_from_a_file(tmp_path: Path):
     said = running.run("crystal", str(path), "-o", str(tmp_path / "o"), code=0)
     assert "atoms in a plane: honeycomb, a = " in said.stdout
     assert "1 dislocation" in said.stdout
+    assert (tmp_path / "o/crystal.png").stat().st_size > 10_000
     frames = json.loads((tmp_path / "o/crystal.json").read_text())["frames"]
     assert [len(frame["points"]) for frame in frames] == [1, 1]
     assert frames[0]["points"][0]["burgers_lattice"] == ["-1", "0"]
