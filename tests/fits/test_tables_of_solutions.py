@@ -37,7 +37,7 @@ def test_a_table_of_a_solution_is_data(mark: str):
     assert gt.fit(guess, "t", noisy, None, ["k"]).values["k"] == pytest.approx(found.values["k"])
 
 
-def test_coordinate_velocities_alone_are_refused():
+def test_coordinate_velocities_are_refused():
     """The message names the frame velocities and how to get them."""
     columns = table()
     for without in ("u1", "u2"):

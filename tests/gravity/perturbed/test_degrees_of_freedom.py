@@ -144,6 +144,7 @@ def test_an_earlier_answer_is_a_start():
     assert (massless.number, massive.number) == (1, 2)
 
 
+@pytest.mark.slow
 def test_f_of_r_has_one_more():
     """R + c R^2 in three dimensions: one degree of freedom, at order nine."""
     answer = count("R + c*R**2", "riemannian", dimension=3, parameters={"c": 0.3}, order=9)
