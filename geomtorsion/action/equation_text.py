@@ -52,7 +52,7 @@ def by_powers(element: Element, velocities: Sequence[sp.Symbol]) -> sp.Expr:
 
 
 def rate_text(rates: Mapping[str, sp.Expr]) -> str:
-    """One line for each state: name' = rate.
+    """Equations as text, name' = rate, one state a line.
 
     Examples
     --------

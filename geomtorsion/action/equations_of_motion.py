@@ -45,7 +45,7 @@ class Reduced:
 
     @property
     def text(self) -> str:
-        """One line for each rate."""
+        """The rates as text, one line each."""
         return equation_text.rate_text(self.rates)
 
     @property
@@ -109,7 +109,7 @@ class EquationsOfMotion:
 
     @property
     def velocities(self) -> tuple[sp.Symbol, ...]:
-        """The moving quasi-velocities: all of them, or those free under constraints."""
+        """Quasi-velocities that change: all of them, or the free ones under constraints."""
         return tuple(self.hamel.bundle.symbols.velocities[i] for i in self.hamel.free)
 
     @property
@@ -142,9 +142,9 @@ class EquationsOfMotion:
 
     @cached_property
     def accelerations(self) -> tuple[sp.Expr, ...]:
-        """u'^k, one for each velocity that moves.
+        """Accelerations u'^k, one for each velocity that changes.
 
-        Where a denominator full of angles cannot be cleared they are plain quotients.
+        If a denominator with angles does not factor, the acceleration is an unsimplified quotient.
         """
         values, moving = self.hamel.accelerations, self.velocities
         if values is None:
@@ -169,7 +169,7 @@ class EquationsOfMotion:
 
     @cached_property
     def agrees(self) -> bool | None:
-        """Whether both derivations agree, decided by exact zero; None: not decided."""
+        """Whether the equations in frame and coordinates agree exactly; None if undecided."""
         return self.lagrange.agrees(self.hamel)
 
     @cached_property
@@ -243,7 +243,7 @@ class EquationsOfMotion:
 
     @property
     def text(self) -> str:
-        """One line for each rate."""
+        """The rates as text, one line each."""
         return equation_text.rate_text(self.rates)
 
     @property

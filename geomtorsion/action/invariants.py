@@ -134,7 +134,7 @@ def conserved(hamel: Hamel, frame: Frame, base: Frame) -> ConservedQuantities:
 
 
 def energies(hamel: Hamel) -> Iterator[Candidate]:
-    """p_i u^i - L over all velocities, and over those that move (others may be driven)."""
+    """p_i u^i - L over all velocities, and over the changing ones (others may be driven)."""
     everything = range(hamel.bundle.dimension)
     for name, moving in zip(ENERGIES, (everything, hamel.free), strict=True):
         weights = {i: hamel.velocities[i] for i in moving}

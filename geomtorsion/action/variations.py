@@ -74,7 +74,7 @@ class Variation:
 
     @cached_property
     def changes(self) -> tuple[sp.Expr, ...]:
-        """delta-bar u^i, one for each velocity."""
+        """Change delta-bar u^i of each velocity."""
         terms = _bilinear(self.coefficients, self.velocities, self.images)
         return tuple(rate + term for rate, term in zip(self.image_rates, terms, strict=True))
 

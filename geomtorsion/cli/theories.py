@@ -10,6 +10,7 @@ from typing import Annotated
 import typer
 
 from geomtorsion import gravity
+from geomtorsion.cli.options import option
 from geomtorsion.cli.values import assigned, separated
 from geomtorsion.geometry import Connection, cartan, from_torsion, levi_civita
 from geomtorsion.gravity import (
@@ -37,51 +38,53 @@ class Over(StrEnum):
 
 LagrangianOption = Annotated[
     str | None,
-    typer.Option(
+    option(
         "-L",
         "--lagrangian",
         metavar="TEXT",
-        show_default=False,
-        help="Formula in T, T1, T2, T3, R, Q, P1 ... and constants that multiply them, the name of "
+        text="Formula in T, T1, T2, T3, R, Q, P1 ... and constants that multiply them, the name of "
         f"a theory ({', '.join(THEORIES)}), or a theory file (.toml).",
     ),
 ]
 ConstantsOption = Annotated[
     str,
-    typer.Option(
+    option(
         "--constants",
         metavar="NAMES",
-        show_default=False,
-        help='Other constants in the formula, such as "n v" for T**n + v. Lambda needs none.',
+        text='Other constants in the formula, such as "n v" for T**n + v. Lambda needs none.',
     ),
 ]
 InvariantOption = Annotated[
     list[str] | None,
-    typer.Option(
+    option(
         "--invariant",
         metavar="NAME=FORMULA",
-        show_default=False,
-        help='An invariant with indices for the formula, such as "Y = R_abcd R^abdc". May be '
+        text='An invariant with indices for the formula, such as "Y = R_abcd R^abdc". May be '
         "repeated.",
     ),
 ]
+ScalarNames = Annotated[
+    str, option("--scalars", metavar="NAMES", text='Scalar fields, such as "phi chi".')
+]
+Couplings = Annotated[
+    list[str] | None,
+    option("--set", metavar="NAME=VALUE", text="Value of a coupling. May be repeated."),
+]
 ScalarOption = Annotated[
     list[str] | None,
-    typer.Option(
+    option(
         "--scalar",
         metavar="NAME=VALUE",
-        show_default=False,
-        help='A scalar field, such as "phi = u(t)", for X, phi and phi_a in the formula. May be '
+        text='A scalar field, such as "phi = u(t)", for X, phi and phi_a in the formula. May be '
         "repeated.",
     ),
 ]
 MaxwellOption = Annotated[
     list[str] | None,
-    typer.Option(
+    option(
         "--maxwell",
         metavar="A,A,...",
-        show_default=False,
-        help='Potential of a Maxwell field, such as "q/r, 0, 0, 0", for F2, F_ab and A_a in the '
+        text='Potential of a Maxwell field, such as "q/r, 0, 0, 0", for F2, F_ab and A_a in the '
         "formula. May be repeated.",
     ),
 ]

@@ -285,7 +285,7 @@ def innermost(error: BaseException) -> BaseException:
 
 
 def float_values(code: BallCode, arguments: Sequence[Any]) -> list[float | complex | None]:
-    """Values that are right to the last digit but one of a float; None where there is none.
+    """Values with all but the last digit of a float correct; None without a value.
 
     The precision is doubled until the balls are small enough. A value indistinguishable from zero
     at the largest is zero if its ball is below the smallest float.

@@ -108,7 +108,7 @@ def order(term: Term) -> tuple[tuple[int, ...], tuple[int, ...]]:
 
 
 def collected(terms: Iterable[Term]) -> list[Term]:
-    """Terms in order, those that differ only in their number added up."""
+    """Terms in order; terms that differ only in their number are added."""
     totals: dict[tuple[tuple[int, ...], tuple[int, ...]], Fraction] = {}
     for number, constants, rest in terms:
         key = (rest, constants)

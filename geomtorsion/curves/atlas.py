@@ -184,9 +184,9 @@ class Chart:
 
     @cached_property
     def edges(self) -> tuple[Edge, ...]:
-        """Quantities that are positive while the chart holds: its edge, or its frame's edges.
+        """Quantities that are positive inside the chart, shape (edges,).
 
-        The edges of the law follow.
+        First the edge of the chart, or else the edges of its frame; then the edges of the law.
         """
         if self.edge is not None:
             own = (Edge(self.edge, f"{self.edge.sympy} = 0", f"{self.edge.sympy} > 0"),)
@@ -196,7 +196,7 @@ class Chart:
 
     @property
     def field(self) -> Tower:
-        """The field of its elements."""
+        """Field of the exact elements of the chart."""
         if self.frame is not None:
             return self.frame.field
         return next(value for row in self.legs for _, value in row).field
@@ -208,7 +208,7 @@ class Chart:
 
     @cached_property
     def frame_vectors(self) -> ElementMatrix:
-        """E[mu, i], shape (coordinates, dimension)."""
+        """Legs E_i^mu as E[mu, i], shape (coordinates, dimension)."""
         entries = {(mu, i): x for mu, row in enumerate(self.legs) for i, x in row}
         n = 1 + max((i for _, i in entries), default=0)
         if self.frame is not None:
@@ -267,7 +267,7 @@ class Chart:
         return values[:count], reach
 
     def distance(self, point: Mapping[str, float]) -> float:
-        """The edge at a point in units of its margin; infinite where there is none."""
+        """Value of the edge at a point, in units of its margin; infinite without an edge."""
         if self.edge is None or not self.margin:
             return float("inf")
         return float(self.at_edges(point)[0]) / self.margin
@@ -395,7 +395,7 @@ class TransitionMap(ByContent):
         if self.written is None:
             return self._function(*place, *numbers.values())
         place = [checks.array(x, "coordinates", ArgumentError, infinite=None) for x in place]
-        # The map has no values outside of the source chart; the caller checks the result.
+        # The map has no values outside the source chart; the caller checks the result.
         with np.errstate(all="ignore"):
             return np.array(np.broadcast_arrays(*self.written(FLOATS, place, numbers)))
 

@@ -84,7 +84,7 @@ def _gaps(
     place = problem.atlas.chart(name)
     turning = angles_of(problem, name) if angles is None else _places(place.names, angles)
     first = one.in_chart(name).astype(float)
-    # Not by way of the home chart: both may be outside of it.
+    # Not by way of the home chart: both may be outside it.
     second = at_times(two.problem, two.trajectory, one.times, name).astype(float)
     steps = second - first
     steps[:, turning] = np.remainder(steps[:, turning] + np.pi, 2 * np.pi) - np.pi

@@ -336,7 +336,7 @@ class Equations:
 
     @property
     def plain_width(self) -> int:
-        """Number of states without those that are carried along."""
+        """Number of states without the transported vectors."""
         return len(self.states) - len(self.carried)
 
     @cached_property
@@ -422,50 +422,57 @@ def written(frame: Frame, law: Law, chart: Chart | None) -> Equations:
     """A law in a chart of the space of a frame; chart None: only velocities."""
     names = velocity_names(frame)
     base = chart.frame if chart is not None and chart.frame is not None else frame
-    home = base is frame
-    if not home and law.needs_frame and chart is not None and not chart.keeps_frame:
-        raise ChartEdgeError(
-            f"the equation {law.text} depends on the frame {frame.name!r}, and chart "
-            f"{chart.name!r} has another frame. Use a chart of the same frame field."
-        )
+    _check_frame(frame, base, law, chart)
     rates = law.rates(base, names)
     if rates is not None and not any(rates.products):
         rates = None
     if rates is not None and (chart is None or chart.frame is None):
         _need_constant(rates.products, frame, chart)
-    states, products = [], []
+    states, products, groups = [], [], []
     if chart is not None:
         states += chart.names
         products += [tuple((value, (names[i],)) for i, value in row) for row in chart.legs]
-    width = len(states)
-    constants: Mapping[str, Fraction] = {}
-    extra: list[str] = []
-    if rates is None:
-        extra += names
-    else:
+        groups += chart.groups
+    if rates is not None:
+        groups.append(tuple(range(len(states), len(states) + len(names))))
         states += names
         products += rates.products
-        constants = rates.constants
-    groups = [] if chart is None else list(chart.groups)
-    clock = ""
-    if rates is not None:
-        groups.append(tuple(range(width, len(states))))
-        clock = rates.clock
-    if clock:
-        states.append(clock)
-        products.append(((base.field.rational(1, CLOCK), ()),))
-    invariants = dict(law.invariants(base, names)) if rates is not None else {}
+        if rates.clock:
+            states.append(rates.clock)
+            products.append(((base.field.rational(1, CLOCK), ()),))
+    constants: Mapping[str, Fraction] = {} if rates is None else rates.constants
+    of_law = {} if rates is None else law.invariants(base, names)
+    invariants = _invariants(frame, of_law, chart)
+    ends = () if chart is None else tuple((edge.element, ()) for edge in chart.edges)
+    every = [*products, *invariants.values(), ends]
+    extra = names if rates is None else ()
+    parameters = (*symbols_in(every, states), *extra, *constants)
+    return Equations(
+        chart, tuple(states), parameters, tuple(products), tuple(groups), names, (), constants,
+        invariants, "" if rates is None else rates.clock,
+    )  # fmt: skip
+
+
+def _check_frame(frame: Frame, base: Frame, law: Law, chart: Chart | None) -> None:
+    """Refuse a law that depends on the frame in a chart with another frame, base."""
+    if chart is None or base is frame or chart.keeps_frame or not law.needs_frame:
+        return
+    raise ChartEdgeError(
+        f"the equation {law.text} depends on the frame {frame.name!r}, and chart "
+        f"{chart.name!r} has another frame. Use a chart of the same frame field."
+    )
+
+
+def _invariants(
+    frame: Frame, of_law: Mapping[str, Products], chart: Chart | None
+) -> dict[str, Products]:
+    """Invariants in a chart; without coordinates, only the ones that do not depend on them."""
+    invariants = dict(of_law)
     if chart is None or chart.frame is None:
         invariants = {k: v for k, v in invariants.items() if _is_constant(v, frame)}
     if chart is not None and chart.kept is not None:
         invariants["unit"] = ((chart.kept, ()),)
-    ends = () if chart is None else tuple((edge.element, ()) for edge in chart.edges)
-    every = [*products, *invariants.values(), ends]
-    parameters = (*symbols_in(every, states), *extra, *constants)
-    return Equations(
-        chart, tuple(states), parameters, tuple(products), tuple(groups), names, (), constants,
-        invariants, clock,
-    )  # fmt: skip
+    return invariants
 
 
 def symbols_in(products: Iterable[Products], states: Sequence[str]) -> tuple[str, ...]:

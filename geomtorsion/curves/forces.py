@@ -104,7 +104,7 @@ class Forced:
 
     @property
     def unknown(self) -> str:
-        """Name of a function in the forces that has no values: pieces or a table; or nothing."""
+        """Name of a function in the forces without values (pieces or a table); else empty."""
         terms = (x.sympy for x in self.acceleration)
         names = {str(part.func) for term in terms for part in term.atoms(AppliedUndef)}
         return min(names, default="")

@@ -32,8 +32,8 @@ class LogMap:
     """Motion from one point to another in unit time.
 
     vector: its initial frame velocity u^i.
-    miss: distance of its end from the target, in the frame at the target, all signs of eta as
-        positive.
+    miss: distance of its end from the target, in the frame at the target, with the Euclidean
+        metric delta_ij instead of eta_ij.
     solution: the motion.
     shots: number of motions that Newton's iteration computed.
     length: sqrt(|eta_ij u^i u^j|); the length of the motion, or its proper time.

@@ -437,7 +437,7 @@ class CurveProblem(ByContent):
         return str(self)
 
     def check_parameters(self, chart: str) -> None:
-        """Refuse to start without a value for each parameter that occurs in a chart."""
+        """Raise an error if a parameter in the equations of a chart has no value."""
         equations = self.equations(chart)
         needed = [
             name
@@ -729,7 +729,7 @@ class CurveProblem(ByContent):
         bits: int,
         names: Collection[str] | None = None,
     ) -> Moment:
-        """Coordinates, velocities and carried quantities, in the home chart; or some of these."""
+        """Coordinates, velocities and carried quantities in the home chart; `names`: only these."""
         if names is not None and not set(names) - {*self.coordinates, *self.parameters, "t"}:
             return readout.places(self, times, pieces, shape)
         return readout.moment(self, times, pieces, shape, bits)

@@ -236,7 +236,7 @@ class Element(ABC):
     @property
     @abstractmethod
     def length(self) -> float:
-        """How many terms it has, those below the line included; inf if it is kept as it was built.
+        """Number of terms of numerator and denominator; inf if the element is not multiplied out.
 
         Examples
         --------

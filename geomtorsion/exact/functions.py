@@ -105,7 +105,7 @@ def _fresh(name: str, places: list[sympy.Expr]) -> sympy.Symbol:
 
 
 def opaque(field: Tower, shown: sympy.Expr, arguments: Sequence[Element]) -> Element:
-    """A generator of which nothing is known but its value and its derivative."""
+    """A generator with a value and a derivative only."""
     for generator in field.generators:
         if generator.kind == "opaque" and generator.shown == shown:
             return field.generator_element(generator)

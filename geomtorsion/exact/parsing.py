@@ -42,7 +42,7 @@ def parse_expression(
     free: bool = False,
     undeclared: bool = False,
 ) -> sympy.Expr:
-    """Read a sympy expression from text that may come from anywhere.
+    """Read a sympy expression from text of any source, without running code.
 
     Numbers are exact; ``2 r sin(theta)`` is a product; ``**`` and ``^`` are powers; ``pi``, ``E``
     and ``I`` are the constants unless ``symbols`` redefines them; ``diff(f(r), r, 2)`` is a

@@ -42,7 +42,7 @@ T = TypeVar("T")
 
 
 def lifted(ctx: fmpq_mpoly_ctx, poly: fmpq_mpoly, by: int) -> fmpq_mpoly:
-    """A polynomial in a ring of `by` variables more, which come first."""
+    """The polynomial in a ring with `by` more variables, before the others."""
     if len(poly) == 1:
         # One term is written down again more quickly.
         return ctx.from_dict({(0,) * by + m: c for m, c in poly.to_dict().items()})
@@ -213,7 +213,7 @@ def known_taken_out(
 
 
 def factored_apart(poly: fmpq_mpoly, other: OtherProcess) -> Factors | None:
-    """The factors, from another process; None where there is none."""
+    """The factors, from another process; None if no process can run."""
     ctx = poly.context()
     line = other.ask(json.dumps([ctx.nvars(), factoring_process.terms_of(poly)]))
     if not line:

@@ -526,34 +526,11 @@ def inverse(field: Tower, element: Element, largest: int = LARGEST_PRODUCT) -> E
     numerator = num
     for position, generator in enumerate(field.generators):
         if generator.degree and degrees[position] > 0:
-            if generator.degree > 2:
-                pair = _conjugate_of_few_powers(field, num, position, largest)
-                if pair is None:
-                    pair = _conjugate(field, num, position, largest)
-                if pair is None or len(multiplier) * len(pair[1]) > largest:
-                    return None
-                # Division by factors of such a high degree takes as long as the square.
-                if _is_high(generator) and (len(multiplier) * len(pair[1])) ** 2 > largest:
-                    return None
-                num, conjugate = pair
-                multiplier = field.reduced(multiplier * conjugate)
-                # A conjugate may bring in roots of the radicand; later passes clear them.
-                degrees = num.degrees()
-                continue
-            assert generator.tail is not None
-            tail = field.lift(generator.tail)
-            w = field.ctx.gen(position)
-            below, above = polynomials.split(num, position)
-            # 1/(B w) = w/(B P): no conjugate is needed.
-            if not below:
-                num = field.reduced(above * tail)
-                multiplier = field.reduced(multiplier * w)
-            else:
-                most = max(len(num), len(multiplier)) * len(num)
-                if most > largest or len(above) ** 2 * len(tail) > largest:
-                    return None
-                num = field.reduced(below * below - above * above * tail)
-                multiplier = field.reduced(multiplier * (below - above * w))
+            cleared = _cleared_of(field, position, num, multiplier, largest)
+            if cleared is None:
+                return None
+            # A conjugate may bring in roots of the radicand; later passes clear them.
+            num, multiplier = cleared
             degrees = num.degrees()
     # Where roots depend on one another, the norm may vanish of what does not.
     if not num or (not field.all_sure and field.polynomial(num).is_zero):
@@ -566,6 +543,35 @@ def inverse(field: Tower, element: Element, largest: int = LARGEST_PRODUCT) -> E
     content, factors = field.factored(num)
     # Irreducible factors are registered once, so that later sums share them.
     return field.over_factors(multiplier * den * (1 / content), factors)
+
+
+def _cleared_of(
+    field: Tower, position: int, num: fmpq_mpoly, multiplier: fmpq_mpoly, largest: int
+) -> tuple[fmpq_mpoly, fmpq_mpoly] | None:
+    """num and multiplier times a conjugate, so that num is free of a root; None if too large."""
+    generator = field.generators[position]
+    if generator.degree > 2:
+        pair = _conjugate_of_few_powers(field, num, position, largest)
+        if pair is None:
+            pair = _conjugate(field, num, position, largest)
+        if pair is None or len(multiplier) * len(pair[1]) > largest:
+            return None
+        # Division by factors of such a high degree takes as long as the square.
+        if _is_high(generator) and (len(multiplier) * len(pair[1])) ** 2 > largest:
+            return None
+        return pair[0], field.reduced(multiplier * pair[1])
+    assert generator.tail is not None
+    tail = field.lift(generator.tail)
+    w = field.ctx.gen(position)
+    below, above = polynomials.split(num, position)
+    # 1/(B w) = w/(B P): no conjugate is needed.
+    if not below:
+        return field.reduced(above * tail), field.reduced(multiplier * w)
+    most = max(len(num), len(multiplier)) * len(num)
+    if most > largest or len(above) ** 2 * len(tail) > largest:
+        return None
+    square = field.reduced(below * below - above * above * tail)
+    return square, field.reduced(multiplier * (below - above * w))
 
 
 def coefficients(field: Tower, poly: fmpq_mpoly, position: int, degree: int) -> list[fmpq_mpoly]:

@@ -62,7 +62,7 @@ def slope(field: Tower, generator: Generator, symbol: sympy.Symbol) -> Element:
 
 
 def meaning(field: Tower, generator: Generator) -> Element | None:
-    """What a generator is in terms of others, as far as relations are known and hold here.
+    """A generator in terms of others, by the known relations that hold here.
 
     A relation may hold on one branch only: it counts where both sides have one value at the point
     at which signs are read off.

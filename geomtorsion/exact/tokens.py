@@ -16,7 +16,7 @@ from geomtorsion.support.checks import LARGEST_ARGUMENT, LargestArgument
 
 @dataclass(frozen=True)
 class Limits:
-    """What an expression from outside may cost; an error names the limit that was met.
+    """Limits on the cost of an expression; an error names the exceeded limit.
 
     characters: length of the text; depth: brackets, signs and powers inside one another;
     exponent: largest numerical exponent; digits: length of any number that is written or formed;

@@ -64,7 +64,7 @@ _A_PRODUCT = Part.of(sympy.Mul(2, sympy.Symbol("x")))
 
 
 class Parts:
-    """What the expressions of a field are made of, each part made once.
+    """Parts of the expressions of a field, each made once.
 
     collector: how sums are collected where that is shorter (see `collecting`), if they are.
     """

@@ -1,4 +1,7 @@
-"""Fits: parameters and starts of motions, and dislocations, from data with noise."""
+"""Fits: parameters and starts of motions, and dislocations, from data with noise.
+
+NOISE: prefix of the columns of noise in data; `sigma_x` is the standard deviation of `x`.
+"""
 
 from geomtorsion.fits.data import NOISE, Data
 from geomtorsion.fits.frames import fit_frame

@@ -23,7 +23,7 @@ CONVERGED = math.sqrt(EPS)
 
 @dataclass(frozen=True, eq=False)
 class Prediction:
-    """What a model gives for some parameters, in units of the noise.
+    """Prediction of a model for some parameters, in units of the noise.
 
     residuals: (prediction - data) / sigma, shape (N,).
     slopes: their derivatives, shape (N, k).
@@ -183,9 +183,9 @@ class _Spectrum:
 
     @property
     def slopes(self) -> np.ndarray:
-        """The slopes, and below them those that hold the search back; shape (N + k, k).
+        """Slopes of the residuals, then rows for undetermined directions; shape (N + k, k).
 
-        A search that may move along an undetermined direction goes there without end.
+        Without these rows a search along an undetermined direction does not end.
         """
         clear = np.where(self.clear, self.singular, 0.0)
         # Where nothing is determined at all, one holds as well as any size.

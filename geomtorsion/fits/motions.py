@@ -7,8 +7,8 @@ from collections.abc import Mapping, Sequence
 import numpy as np
 
 from geomtorsion.curves import CurveProblem
-from geomtorsion.errors import AccuracyError, ShapeError, StartError, TimeError
-from geomtorsion.fits.data import Data, Noise
+from geomtorsion.errors import AccuracyError, ShapeError, StartError, TimeError, UnknownNameError
+from geomtorsion.fits.data import NOISE, Data, Noise
 from geomtorsion.fits.least_squares import Bounds, Prediction, least_squares
 from geomtorsion.fits.result import Fit
 from geomtorsion.ode import ODE, Engine, Solution, solve
@@ -47,7 +47,8 @@ def fit(
     data
         name -> values, shape (m,) (or (m, k) for an output that is a vector): coordinates and
         frame velocities of a curve; states and outputs of an ODE. NaN if missing. Also a pandas
-        DataFrame or an xarray Dataset with such columns.
+        DataFrame or an xarray Dataset with such columns. Coordinate velocities theta' beside all
+        frame velocities, as in `solution.to_pandas()`, repeat them and are not counted again.
     sigma
         standard deviation of the noise: a number, or name -> number or array like the data.
         None: columns sigma_NAME of the data.
@@ -103,7 +104,7 @@ def fit(
     at = checks.array(times, "times", TimeError, shape=(None,), shape_error=ShapeError)
     if not len(at):
         raise TimeError("times: expected the times of the data, got none.")
-    measured = Data.of(at, data, sigma, quantities(problem))
+    measured = Data.of(at, _without_repetition(data, problem), sigma, quantities(problem))
     accuracy = checked_accuracy(accuracy)
     motion = problem.with_derivatives(names)
     grid, rows = _grid(at)
@@ -123,6 +124,27 @@ def fit(
 
     first = {name: float(problem.variables[name]) for name in names}
     return least_squares(model, first, measured, bounds, loss)
+
+
+def _without_repetition(data: object, problem: ODE | CurveProblem) -> dict[str, object]:
+    """The data without coordinate velocities x' or xdot, where all frame velocities are there.
+
+    Tables of a solution have both, which are the same numbers along other legs.
+    """
+    table = checks.by_name(data, "data", StartError)
+    if isinstance(problem, ODE):
+        return table
+    speeds = problem.equations().velocities
+    coordinates = [x for x in quantities(problem) if x not in speeds]
+    names = {f"{x}{mark}" for x in coordinates for mark in ("'", "dot")} & set(table)
+    if names and not set(speeds) <= set(table):
+        first = min(names)
+        raise UnknownNameError(
+            f"data: expected frame velocities {', '.join(speeds)}, got the coordinate velocity "
+            f"{first}. Multiply the coordinate velocities by the coframe, u^i = e^i_mu q'^mu."
+        )
+    repeated = names | {f"{NOISE}{name}" for name in names}
+    return {name: values for name, values in table.items() if name not in repeated}
 
 
 def _column(solution: Solution, name: str) -> np.ndarray:

@@ -95,7 +95,7 @@ class Fit(ByContent):
 
     @property
     def warnings(self) -> tuple[str, ...]:
-        """What restricts the use of the errors, in words."""
+        """Limits on the use of the errors, in words."""
         lines = [
             f"the data do not determine {' and '.join(x.changes)}: to change {x} changes nothing "
             f"measured. Fix {'one of them' if len(x.changes) > 1 else 'it'}."

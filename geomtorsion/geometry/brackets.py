@@ -29,7 +29,7 @@ class Brackets:
 
     @classmethod
     def of(cls, field: Field, dimension: int, table: Table) -> Brackets:
-        """Brackets without those that vanish."""
+        """Brackets, without vanishing ones."""
         rows = {pair: row for pair, row in table.items() if not all(vanishes(x) for x in row)}
         return cls(field, dimension, rows)
 
@@ -116,7 +116,7 @@ class Brackets:
         return self.span(self.span(rows).kernel())
 
     def quotient(self, ideal: Reduced) -> Brackets:
-        """The algebra modulo an ideal, with the basis elements that are not pivots of it."""
+        """Quotient by an ideal, with the basis elements without a pivot of the ideal."""
         places = ideal.free
         table = {
             (a, b): [ideal.rest(self.constant(i, j))[k] for k in places]

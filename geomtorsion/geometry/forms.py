@@ -130,7 +130,7 @@ class Form:
 
     @cached_property
     def components(self) -> dict[Index, Element]:
-        """Components at increasing form indices; those that vanish trivially are left out."""
+        """Components at increasing form indices, without trivially vanishing ones."""
         n, rank = self.frame.dimension, len(self.values)
         if callable(self.source):
             rule = self.source

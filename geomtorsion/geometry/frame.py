@@ -427,7 +427,7 @@ class Frame:
         Raises
         ------
         CoordinateError
-            No point was found in any; the message names conditions that exclude each other.
+            No region contains a point; the message names conditions that exclude each other.
 
         Examples
         --------

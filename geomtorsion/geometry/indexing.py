@@ -35,7 +35,7 @@ if TYPE_CHECKING:
 
 
 def chosen(tensor: Tensor, index: One | tuple[One, ...]) -> Any:
-    """One component as an expression, or an array of those that slices choose."""
+    """One component as an expression, or the array of components that slices select."""
     items = index if isinstance(index, tuple) else (index,)
     rank, n = len(tensor.slots), tensor.frame.dimension
     # The only component of a scalar is also its first.

@@ -86,7 +86,7 @@ class LieAlgebra:
         return self.exact.dimension
 
     def brackets(self) -> dict[tuple[int, int, int], sp.Expr]:
-        """(i, j, k) -> C_ij^k for i < j, those that do not vanish.
+        """(i, j, k) -> C_ij^k for i < j, without vanishing ones.
 
         Examples
         --------
@@ -222,7 +222,7 @@ class LieAlgebra:
 
     @cached_property
     def bianchi(self) -> str | None:
-        """Bianchi type in three dimensions, such as "VII_0" or "VI_h, h = -1/4"; else None."""
+        """Bianchi type, such as "VII_0" or "VI_h, h = -1/4"; None except in three dimensions."""
         return algebra_names.bianchi(self.exact)
 
     # -- as an object ----------------------------------------------------------------------------

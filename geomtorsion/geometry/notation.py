@@ -110,7 +110,7 @@ def named(
 
 
 def written(tensor: Tensor, *, are_open: bool) -> dict[tuple[int, ...], sp.Expr]:
-    """Undecided or nonzero components, with those that follow by symmetry."""
+    """Undecided or nonzero components, including the ones that follow by symmetry."""
     components = tensor.components
     chosen = [i for i in components.independent if (i in components.undecided) == are_open]
     own = {i: named(tensor, i, components.independent[i], plain) for i in chosen}
@@ -380,7 +380,7 @@ class ComponentTable:
 
     @property
     def count(self) -> str:
-        """How many components do not vanish, in words; nothing for a scalar that does not."""
+        """Number of components that do not vanish, in words; empty for a nonzero scalar."""
         tensor = self.tensor
         nonzero = len(tensor.components.support)
         if not nonzero:

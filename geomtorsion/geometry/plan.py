@@ -140,7 +140,7 @@ class DependencyGraph:
 
     @cached_property
     def steps(self) -> tuple[Step, ...]:
-        """The computation in order, each step after those it needs."""
+        """Steps in order; each follows the steps that it needs."""
         # See graph.
         import networkx as nx
 

@@ -35,7 +35,7 @@ def relations_in(
 def broken_relations(
     relations: Iterable[sp.Basic], values: Mapping[sp.Symbol, float]
 ) -> list[sp.Basic]:
-    """Relations that a point does not satisfy, except those on whose very edge it is.
+    """Relations that a point violates; a point exactly on the edge violates none.
 
     Examples
     --------

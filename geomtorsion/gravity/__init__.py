@@ -1,4 +1,12 @@
-"""Gravity: a Lagrangian of torsion, curvature and nonmetricity in, field equations out."""
+"""Gravity: a Lagrangian of torsion, curvature and nonmetricity in, field equations out.
+
+general_relativity: L = R for the Levi-Civita connection.
+tegr: teleparallel equivalent of general relativity, L = T.
+stegr: symmetric teleparallel equivalent of general relativity, L = Q.
+einstein_cartan: Einstein-Cartan theory, L = R/(2 kappa) for a metric connection with torsion.
+gauss_bonnet: L = GB for the Levi-Civita connection; its equations vanish in four dimensions.
+names: symbols of the invariants and matter fields for Lagrangians as sympy expressions.
+"""
 
 from geomtorsion.gravity import perturbed
 from geomtorsion.gravity.charges.charge import Charge, charge

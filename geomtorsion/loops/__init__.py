@@ -1,4 +1,8 @@
-"""Loops: closed paths to Burgers vectors."""
+"""Loops: closed paths to Burgers vectors.
+
+Number: type of a coordinate: int, float, complex, Fraction or a sympy expression.
+Parameters: type of the values of parameters, {name or symbol: number}.
+"""
 
 from geomtorsion.loops import arcs, exact_integral, integrals, loop_files, quadrature, validation
 from geomtorsion.loops.affine_map import AffineMap

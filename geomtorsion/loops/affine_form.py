@@ -110,7 +110,7 @@ class AffineForm:
 
     @cached_property
     def poles(self) -> Poles | None:
-        """What may vanish in a denominator of coframe or connection."""
+        """Factors of denominators of coframe or connection that may vanish."""
         if self._plain is not None:
             return self._plain.poles
         compiled, numbers = self._line

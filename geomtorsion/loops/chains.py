@@ -37,7 +37,7 @@ class Chain:
 
 
 class Shape(Protocol):
-    """What many loops have in common: a rim, what it bounds, and rules of rising level for both."""
+    """Common shape of many loops: a rim, its inside, and rules of rising level for both."""
 
     @property
     def levels(self) -> tuple[int, int]:
@@ -66,7 +66,7 @@ class ClosedCurve:
 
     @property
     def levels(self) -> tuple[int, int]:
-        """As many as fit in memory; what needs more has a narrow peak."""
+        """As many levels as fit in memory; an integrand that needs more has a narrow peak."""
         return _levels(self.arc.waves, self.first)
 
     def rim(self, level: int) -> Chain:

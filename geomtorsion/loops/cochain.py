@@ -29,7 +29,7 @@ Cycle = tuple[Hashable, ...]
 
 @dataclass(frozen=True, eq=False)
 class CycleBurgers(Signed):
-    """What a cycle of a network misses.
+    """Closure failure of a cycle of a network.
 
     cycle: nodes in order; vector: b^i, shape (n,); error: bound on its largest component.
     images: how often the cycle winds around each period, shape (d,). Where it does so
@@ -332,7 +332,7 @@ class Cochain:
         return Cochain(self.complex, sums.vectors, errors, self.degree + 1)
 
     def divergence(self) -> ChainSums:
-        """At each node the values of the edges that leave it minus those that arrive.
+        """At each node: sum over the edges that leave it minus sum over the edges that arrive.
 
         Of Burgers vectors on dislocation lines it is the node rule: zero where lines meet.
 

@@ -67,12 +67,12 @@ class Defect:
     free: tuple[int, ...] = ()
 
     def place(self, parameters: Parameters | None = None) -> tuple[float, ...]:
-        """The point as numbers.
+        """Point of the defect as numbers, shape (n,).
 
         Raises
         ------
         MissingValueError
-            It depends on a parameter that has no value.
+            The point depends on a parameter that has no value.
         """
         names = {
             name: exact_number(value, f"parameter {name}", LoopError)

@@ -64,7 +64,7 @@ class Form:
         Raises
         ------
         SingularPointError
-            One is not finite; the message names it and the point.
+            An entry is not finite; the message names the entry and the point.
         """
         entries = self.values(points)
         return entries if np.isfinite(entries).all() else self.refuse()(*points, *self.numbers)
@@ -92,7 +92,7 @@ def perturbed(points: np.ndarray, centre: np.ndarray | float = 0.0) -> np.ndarra
 
 @dataclass(frozen=True, eq=False)
 class Forms:
-    """What loops need of a frame.
+    """One-forms and curl of a frame for integrals along loops.
 
     coframe: e^i_mu. curl: (de)^i_{mn} = d_m e^i_n - d_n e^i_m for m < n; None if it vanishes.
     poles: what may vanish in a denominator of the coframe, or None.

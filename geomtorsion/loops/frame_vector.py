@@ -29,7 +29,7 @@ if TYPE_CHECKING:
 
 @exclusive
 class FrameVector:
-    """What a Burgers vector and a sum of such vectors can be asked."""
+    """Common properties of a Burgers vector and of a sum of such vectors."""
 
     frame: Frame
     reduced: np.ndarray

@@ -67,7 +67,7 @@ class Rule:
 
 @dataclass(frozen=True, eq=False)
 class Integral:
-    """What an integral came to.
+    """Result of an integral.
 
     value: shape (m,).
     truncation: estimate of the error by comparison with a coarser rule, norm of a vector.
@@ -87,7 +87,7 @@ class Integral:
 
 @dataclass(frozen=True, eq=False)
 class Integrals:
-    """What several integrals came to, one each in the last axis.
+    """Results of several integrals, along the last axis.
 
     values: shape (m, k); truncation, converged: shape (k,), as of `Integral`.
     points: how many points were evaluated; intervals: how many intervals there were in the end,

@@ -37,7 +37,7 @@ def with_numbers(
 
 
 def with_values(frame: Frame, loop: Loop, parameters: Parameters | None) -> tuple[Frame, Loop]:
-    """A frame and a loop with exact values for some of their symbols: 0.3 is put in as 3/10.
+    """A frame and a loop with exact values for some of their symbols: 0.3 becomes 3/10.
 
     Raises
     ------

@@ -93,7 +93,7 @@ def _turned(arc: Arc, across: np.ndarray, offset: np.ndarray) -> tuple[float, fl
 
 
 def nearest(one: np.ndarray, two: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Where straight lines from one to two, shape (2, k), come nearest to the origin, and how near.
+    """Nearest points to the origin on straight lines from one to two, shape (2, k), and distances.
 
     Returns
     -------

@@ -26,7 +26,7 @@ from geomtorsion.support.executors import Executor, each_done
 
 @dataclass(frozen=True, eq=False)
 class BatchRun:
-    """What the members of a batch came to.
+    """Result of a batch.
 
     states: shape (number, times, size); not a number where a member is not finished, and after its
         stop.

@@ -36,20 +36,8 @@ def read(
     normalized: Sequence[Sequence[str]],
     tables: Mapping[str, object] | None,
 ) -> Given:
-    """Rates, start, parameters, invariants, outputs, timed events and conditions; see `ODE.of`."""
-    source = rates
-    if not isinstance(rates, Mapping):
-        rates = getattr(source, "rates", None)
-        if not isinstance(rates, Mapping):
-            raise ExpressionError(
-                f"rates: expected a mapping from states to expressions, got {checks.shown(source)}."
-            )
-        own_invariants = getattr(source, "invariants", None)
-        if invariants is None and isinstance(own_invariants, Mapping):
-            invariants = own_invariants
-    if not rates:
-        raise ExpressionError("rates: expected at least one state, got none.")
-    rates = checks.by_name(rates, "rates", ExpressionError)
+    """Read and check the arguments of `ODE.of`."""
+    rates, invariants = _rates_and_invariants(rates, invariants)
     states = tuple(rates)
     given_numbers = checks.by_name(parameters or {}, "parameters", StartError)
     numbers = {key: number(value, key) for key, value in given_numbers.items()}
@@ -70,20 +58,16 @@ def read(
         checks.instance(
             event.changes, Mapping, "When", ExpressionError, expected="changes {name: value}"
         )
-    changing = [event for event in conditions if event.changes]
     stops = tuple(
         expression(event.falls, "stop", symbols, functions=functions)
         for event in conditions
         if not event.changes
     )
-    switches = tuple(_switch(event, (*states, *numbers), symbols) for event in changing)
+    switches = tuple(
+        _switch(event, (*states, *numbers), symbols) for event in conditions if event.changes
+    )
     read_outputs = _read_terms(outputs, "output", symbols, functions)
-    for key in read_outputs:
-        if key in symbols:
-            raise ExpressionError(
-                f"outputs: expected new names, got {key}, the name of a state, a parameter or the "
-                "time. Rename the output."
-            )
+    _check_outputs(read_outputs, symbols)
     groups = _group_list(states, norm_groups, normalized)
     read_invariants = _read_terms(invariants, "invariant", symbols, functions)
     terms = (rates, invariants, outputs)
@@ -112,6 +96,35 @@ def read(
         switches,
         resting,
     )
+
+
+def _rates_and_invariants(
+    rates: object, invariants: Mapping[str, object] | None
+) -> tuple[dict[str, Any], Mapping[str, object] | None]:
+    """Rates by state, and invariants; an object such as equations may contribute both."""
+    source = rates
+    if not isinstance(rates, Mapping):
+        rates = getattr(source, "rates", None)
+        if not isinstance(rates, Mapping):
+            raise ExpressionError(
+                f"rates: expected a mapping from states to expressions, got {checks.shown(source)}."
+            )
+        own_invariants = getattr(source, "invariants", None)
+        if invariants is None and isinstance(own_invariants, Mapping):
+            invariants = own_invariants
+    if not rates:
+        raise ExpressionError("rates: expected at least one state, got none.")
+    return checks.by_name(rates, "rates", ExpressionError), invariants
+
+
+def _check_outputs(outputs: Iterable[str], symbols: Mapping[str, sp.Symbol]) -> None:
+    """Refuse outputs with the name of a state, a parameter or the time."""
+    for key in outputs:
+        if key in symbols:
+            raise ExpressionError(
+                f"outputs: expected new names, got {key}, the name of a state, a parameter or the "
+                "time. Rename the output."
+            )
 
 
 def numbers_in(event: At) -> dict[str, Real]:

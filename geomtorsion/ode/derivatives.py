@@ -217,7 +217,7 @@ class _Column:
         return table
 
     def event(self, event: At) -> At:
-        """The event with what it does to derivatives: a state with a new number has none."""
+        """The event with its effect on derivatives: a state with a new number has none."""
         more: dict[str, Real] = {
             self.name(name): 0
             for name, change in event.changes.items()
@@ -247,7 +247,7 @@ def along(term: sp.Expr, rates: Mapping[str, sp.Expr], time: sp.Symbol) -> sp.Ex
 
 @dataclass(frozen=True, eq=False)
 class Jump:
-    """What a change does to states and parameters, and to the derivatives of the states.
+    """Effect of a change on states, parameters and derivatives of the states.
 
     Equation
     --------

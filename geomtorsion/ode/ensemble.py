@@ -194,7 +194,7 @@ class Ensemble:
 
     @property
     def trajectories(self) -> Mapping[int, Trajectory]:
-        """Member -> trajectory, for those that were followed singly, through other charts."""
+        """Member -> trajectory, for the members solved one by one through other charts."""
         return self.rows.trajectories
 
     def at_accuracy(self, accuracy: float, engine: Engine | None = None) -> Ensemble:

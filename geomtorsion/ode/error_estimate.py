@@ -1,7 +1,7 @@
 """Error estimate: one rule for everything that moves.
 
 The answer is compared with one more run, some orders finer; twice the largest difference is the
-error. The finer run starts a rounding away.
+error. The start of the finer run is perturbed by one rounding error.
 
 Roundings of two runs may agree by chance: then their difference does not contain them.
 Unless steps omit far more than roundings, one more run like the answer is therefore changed on the
@@ -58,7 +58,7 @@ UNALIKE = 1 / NOISE
 
 
 class Comparable(Protocol):
-    """What knows how to read states of a motion for comparison."""
+    """A reader of states of a motion for comparisons."""
 
     def rows(self, segment: Segment, states: np.ndarray, label: str) -> np.ndarray:
         """States of a segment in the coordinates of a label, shape (m, size)."""
@@ -67,7 +67,7 @@ class Comparable(Protocol):
     def read_gaps(
         self, one: Trajectory, two: Trajectory, count: int, accuracy: float, /
     ) -> list[tuple[np.ndarray, float]]:
-        """What a reader gets at the first samples: differences at each, and the size of all.
+        """Differences at the first samples as a reader sees them, and the size of all.
 
         accuracy: the part of a size below which differences do not count.
         """
@@ -105,7 +105,7 @@ def combined(gaps: Sequence[np.ndarray], comparisons: Sequence[Comparison]) -> n
 
 
 class Verified(NamedTuple):
-    """An answer, with what it was compared, the error, and all runs that were made.
+    """A solution with its comparison runs, its error, and all runs.
 
     comparisons: the finer run; and one that was changed on the way, where roundings matter.
     error: relative to the size of each group of states; infinite where nothing could be compared.
@@ -225,7 +225,7 @@ def change_by_rounding(engine: Engine, steps: float) -> float:
 
 
 def next_tolerance(engine: Engine, tolerance: float, missing: float) -> float | None:
-    """The tolerance after one whose error was too large; None where there is none.
+    """The next tolerance after a run with too large an error; None at the finest.
 
     missing: factor by which the error has to shrink. Errors shrink about in proportion to the
     tolerance; the next one aims at AIM times the allowed error, and is finer by at least one step

@@ -26,7 +26,7 @@ Numbers: TypeAlias = Sequence[Real] | np.ndarray
 
 
 def checked_numbers(values: object, wanted: int, what: str) -> tuple[Any, ...]:
-    """So many finite real numbers, kept as they came (fractions and sympy numbers too)."""
+    """So many finite real numbers, unchanged (also fractions and sympy numbers)."""
     return checks.numbers(values, wanted, what, StartError, shape_error=ShapeError)
 
 
@@ -40,7 +40,7 @@ def mpf(value: Real, precision: int) -> mpmath.mpf:
 
 
 def precision_of(values: np.ndarray) -> int:
-    """Bits of the numbers that an engine has put into an array.
+    """Precision in bits of the numbers in an array of an engine.
 
     Examples
     --------
@@ -54,7 +54,7 @@ def precision_of(values: np.ndarray) -> int:
 
 
 def divided(value: Real, unit: float) -> Real:
-    """A number of any kind divided by a power of two: nothing is lost."""
+    """A number of any kind divided by a power of two, exactly."""
     if unit == 1.0:
         return value
     if isinstance(value, int | float):

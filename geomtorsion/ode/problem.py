@@ -7,7 +7,7 @@ from collections.abc import Callable, Collection, Iterable, Mapping, Sequence
 from contextlib import suppress
 from dataclasses import dataclass, field, replace
 from functools import partial
-from typing import Any, Protocol
+from typing import Any, Protocol, TypeVar
 
 import mpmath
 import numpy as np
@@ -27,9 +27,9 @@ from geomtorsion.ode.pieces import BranchedGraph, has_pieces, term_graph
 from geomtorsion.ode.rates import CLOCK, Rates, names_in
 from geomtorsion.ode.roots import shares_left
 from geomtorsion.ode.stages import Stages
-from geomtorsion.ode.switching import Switching, moments
+from geomtorsion.ode.switching import Switching
 from geomtorsion.ode.system import System
-from geomtorsion.ode.terms import At, Terms, When
+from geomtorsion.ode.terms import At, Terms, When, moments
 from geomtorsion.ode.trajectory import Event, Segment, Stage, State, Trajectory
 from geomtorsion.ode.writing import number_text, numbers_text, term_text, terms_text
 from geomtorsion.support import checks
@@ -38,6 +38,8 @@ from geomtorsion.support.copies import ByContent
 from geomtorsion.support.displays import drawn_by, latex_of
 from geomtorsion.support.hints import attribute_hints
 from geomtorsion.support.precision import HALF, working_precision
+
+_Changing = TypeVar("_Changing", At, When)
 
 
 class Maker(Protocol):
@@ -427,12 +429,8 @@ class ODE(ByContent):
             return {key: x for key, x in table.items() if not lost & names_in(flat({key: x}))}
 
         lost = {*self.states} - needed
-        changes = [{k: x for k, x in one.changes.items() if k not in lost} for one in self.events]
-        events = zip(self.events, changes, strict=True)
-        switches = tuple(
-            replace(one, changes={k: x for k, x in one.changes.items() if k not in lost})
-            for one in self.switches
-        )
+        events = [_without_changes(one, lost) for one in self.events]
+        switches = [_without_changes(one, lost) for one in self.switches]
         pairs = zip(self.states, self.start, strict=True)
         return replace(
             self,
@@ -440,7 +438,7 @@ class ODE(ByContent):
             start=tuple(x for name, x in pairs if name in needed),
             invariants=remaining(self.invariants),
             outputs=remaining(self.outputs),
-            events=tuple(replace(one, changes=rest) for one, rest in events if rest),
+            events=tuple(one for one in events if one.changes),
             switches=tuple(one for one in switches if one.changes),
             resting=tuple(x for x in self.resting if x in needed),
             normalized=tuple(group for group in self.normalized if not lost & {*group}),
@@ -608,7 +606,7 @@ class ODE(ByContent):
         return values
 
     def normalizer(self, precision: int) -> Callable[[State], State] | None:
-        """What `Stage.kept` does to states of the system."""
+        """The function `Stage.kept` for states of the system."""
         return partial(self._normalized, precision=precision) if self._unit_places else None
 
     def _normalized(self, state: State, precision: int) -> State:
@@ -674,7 +672,7 @@ class ODE(ByContent):
         return []
 
     def together(self, name: str) -> tuple[str, ...]:
-        """The states that are measured together with one; nothing for an output."""
+        """The states of one size with a state; empty for an output."""
         groups = ([self.states[k] for k in group] for group in self.first_stage(53, 0.0).groups)
         return next((tuple(group) for group in groups if name in group), ())
 
@@ -1027,6 +1025,11 @@ class ODE(ByContent):
 def _expressions(changes: Mapping[str, object]) -> list[sp.Expr]:
     """The changes that are expressions."""
     return [x for x in changes.values() if isinstance(x, sp.Expr)]
+
+
+def _without_changes(one: _Changing, lost: Collection[str]) -> _Changing:
+    """An event without its changes of some states."""
+    return replace(one, changes={k: x for k, x in one.changes.items() if k not in lost})
 
 
 def _time_text(time: Any) -> float | str:

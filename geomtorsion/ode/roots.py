@@ -126,5 +126,5 @@ def shares_left(here: np.ndarray, before: np.ndarray) -> list[float]:
 
 
 def nearest_to_zero(here: np.ndarray, before: np.ndarray) -> int:
-    """Which of several values has come nearest to zero, each measured by what it was before."""
+    """Index of the value nearest to zero, each relative to its size before."""
     return int(np.argmin(shares_left(here, before)))

@@ -19,7 +19,7 @@ from geomtorsion.ode.trajectory import Trajectory
 
 @dataclass(frozen=True, eq=False)
 class Single:
-    """One member by itself; without an answer, the reason. Seconds of all its runs."""
+    """One member solved by itself, or the reason without a solution; seconds of all its runs."""
 
     answer: Trajectory | None
     error: float

@@ -95,7 +95,7 @@ SHIFT = 1 - GOLDEN
 
 
 class Problem(Protocol):
-    """What can be solved: a curve in a space, or first-order equations of any kind."""
+    """A problem for a solver: a curve in a space, or first-order equations of any kind."""
 
     @property
     def time_unit(self) -> float:
@@ -113,7 +113,7 @@ class Problem(Protocol):
         ...
 
     def check_start(self) -> None:
-        """Refuse a start from which nothing moves on."""
+        """Raise an error for a start from which no motion continues."""
         ...
 
     def first_stage(self, precision: int, perturbation: float) -> Stage:
@@ -127,7 +127,7 @@ class Problem(Protocol):
     def read_gaps(
         self, one: Trajectory, two: Trajectory, count: int, accuracy: float, /
     ) -> list[tuple[np.ndarray, float]]:
-        """What a reader gets at the first samples: differences at each, and the size of all."""
+        """Differences at the first samples as a reader sees them, and the size of all."""
         ...
 
     def together(self, name: str) -> tuple[str, ...]:
@@ -616,9 +616,9 @@ class Solution:
         return max(least, error)
 
     def resolves(self, name: str) -> bool:
-        """Whether what a name gives is more than zero and rounding noise.
+        """Whether a state or output is more than zero and rounding noise.
 
-        The runs that are compared agree in noise in no digit.
+        In rounding noise, the compared runs agree in no digit.
 
         Raises
         ------
@@ -664,8 +664,8 @@ class Solution:
     def error_between(self) -> float:
         """Estimate of the largest error of `at`, also between the times; relative like `error`.
 
-        Worked out on first use, from dense output of the solution and of the run with which it
-        was compared, at about a hundred places: it costs as much as the solution did.
+        Computed on first use, from dense output of the solution and of its comparison run, at
+        about a hundred times between the first and the last: it costs as much as the solution.
         """
         if not self.comparisons:
             return math.inf

@@ -81,9 +81,9 @@ def solve(
 ) -> Solution:
     """Solve a motion so that the result, not only each step, has the requested accuracy.
 
-    Each answer comes with its error: it is compared with a run two orders finer that starts a
-    rounding away (see `error_estimate`). The tolerance goes down until the error is below the
-    accuracy.
+    Each solution has an error estimate: its difference from a second run with a hundred times
+    smaller tolerance and a start perturbed by one rounding error (see `error_estimate`). The
+    tolerance is reduced until the error is below the accuracy.
 
     Parameters
     ----------
@@ -97,8 +97,8 @@ def solve(
         Taylor(), RungeKutta() or Stiff(); None chooses one of the first two and records why. Both
         refuse stiff equations on which they would take too many steps.
     checkpoint
-        a file into which the run is written as it goes; a later call with the same problem,
-        times, accuracy and engine continues from there, to the same result.
+        a file to which the run is written in parts; a later call with the same problem, times,
+        accuracy and engine resumes it, with the same result.
     progress
         called with the finished fraction, from 0 to 1; True shows a bar.
     seconds
@@ -116,7 +116,7 @@ def solve(
     Raises
     ------
     AccuracyError
-        accuracy <= 0, or not to be had with this engine; or even 1e-2 takes longer than `seconds`.
+        accuracy <= 0, or finer than this engine reaches; or even 1e-2 takes longer than `seconds`.
     ArgumentError
         seconds together with an accuracy or a checkpoint.
     TimeError
@@ -222,10 +222,9 @@ def _solved(
             if solution.complete:
                 return solution
             alternative = None
-            stepper = RungeKutta()
-            if engine is None and candidate != stepper and is_coarse(accuracy):
+            if engine is None and candidate != RungeKutta() and is_coarse(accuracy):
                 # Series have no value where roots begin, which steps may leave behind.
-                stepwise = _Runs(problem, stepper, accuracy, grid, parts, kept, report)
+                stepwise = _Runs(problem, RungeKutta(), accuracy, grid, parts, kept, report)
                 alternative = _complete(stepwise, runs)
             if alternative is None:
                 raise _stuck_error(problem, solution)

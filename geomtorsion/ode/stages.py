@@ -17,8 +17,8 @@ from geomtorsion.errors import StartError
 from geomtorsion.ode.error_estimate import NOISE
 from geomtorsion.ode.numbers import Real, floats, mpf, perturbed
 from geomtorsion.ode.rates import CLOCK, Rates
-from geomtorsion.ode.switching import Ended, Mode, Position, Switching, moments
-from geomtorsion.ode.terms import At
+from geomtorsion.ode.switching import Ended, Mode, Position, Switching
+from geomtorsion.ode.terms import At, moments
 from geomtorsion.ode.trajectory import MOST_STAGES, Event, Stage, State
 from geomtorsion.support.caching import cached_property
 from geomtorsion.support.precision import HALF, working_precision

@@ -7,7 +7,6 @@ act, or at the next time at which something changes.
 
 from __future__ import annotations
 
-import math
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from typing import Any, Protocol
@@ -16,7 +15,7 @@ import numpy as np
 import sympy as sp
 
 from geomtorsion.codegen import Graph, graph
-from geomtorsion.errors import ExpressionError, TimeError
+from geomtorsion.errors import ExpressionError
 from geomtorsion.ode.derivatives import Jump, along
 from geomtorsion.ode.error_estimate import NOISE
 from geomtorsion.ode.numbers import Real, floats
@@ -225,8 +224,25 @@ class Switching:
         key = values, bits
         if key not in self._level_numbers:
             numbers = self._levels.exactly(list(values), max(bits, 53 + 20))
+            self._check_order(floats(numbers))
             self._level_numbers[key] = floats(numbers) if bits == 53 else numbers
         return self._level_numbers[key]
+
+    def _check_order(self, numbers: Sequence[float]) -> None:
+        """Refuse values of parameters for which the levels of pieces do not increase."""
+        still = dict(zip(self._still, numbers[len(self.surfaces) :], strict=True))
+        for part, rows in self.places.items():
+            if all(level.is_number for level in part.levels):
+                continue
+            places = [x for x in rows if not isinstance(x, sp.Expr)]
+            if len({self.surfaces[k].term for k, _ in places}) > 1:
+                # Levels that move have no order of their own.
+                continue
+            levels = [numbers[k] if up else -numbers[k] for k, up in places]
+            levels = levels or [-still[x] for x in rows if isinstance(x, sp.Expr)]
+            if levels != sorted(levels):
+                words = ", ".join(map(str, part.levels))
+                raise Ended(f"the levels {words} of pieces in {part.term} do not increase")
 
     def times(self, parameters: Mapping[str, Real]) -> list[tuple[float, int]]:
         """Times at which something changes, in order, each with its surface."""
@@ -470,26 +486,3 @@ class Switching:
             value = values[surface.term]
             above.append(bool(value > level if from_below else value >= level))
         return replace(position, above=tuple(above))
-
-
-def moments(events: Sequence[At], parameters: Mapping[str, Real]) -> list[tuple[At, int]]:
-    """Events with their times as numbers, in order of time, each with its place in the list.
-
-    Raises
-    ------
-    TimeError
-        a time is not a number of 0 or more.
-    """
-    rows = []
-    for k, event in enumerate(events):
-        at = event.time
-        if isinstance(at, sp.Expr):
-            value = graph(tuple(parameters), [at]).exactly(list(parameters.values()), 73)[0]
-            at = float(value) if not hasattr(value, "imag") or value.imag == 0 else math.nan
-            if not (math.isfinite(at) and at >= 0):
-                raise TimeError(
-                    f"event: expected a time of 0 or later, got {event.time} = {at}. Give other "
-                    "parameters."
-                )
-        rows.append((At(at, event.changes), k))
-    return sorted(rows, key=lambda row: row[0].time)

@@ -85,7 +85,7 @@ class System:
 
     @cached_property
     def key(self) -> tuple[str, str | None, int | None]:
-        """What two systems share exactly when one compiled integrator serves both."""
+        """Key that two systems share exactly if one compiled integrator serves both."""
         clock = None if self.clock is None else self.states.index(self.clock[0])
         return self.rates.key, None if self.guard is None else self.guard.key, clock
 
@@ -211,7 +211,7 @@ class System:
 
     @cached_property
     def unguarded(self) -> System:
-        """The same equations with nothing to watch."""
+        """The same equations without a guard."""
         return self if self.guard is None else replace(self, guard=None, end=None, stops=())
 
     @cached_property
@@ -461,7 +461,7 @@ class Engine(Protocol):
         ...
 
     def finer(self, tolerance: float) -> float | None:
-        """The next tolerance of its ladder, a hundred times finer; None where there is none.
+        """The next tolerance of its ladder, a hundred times finer; None at the finest.
 
         The solver compares an answer with a run at the finer tolerance, so that the two finest
         tolerances of the ladder give no answer.

@@ -2,14 +2,16 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping
+import math
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
 from fractions import Fraction
 from typing import Any, TypeAlias
 
 import sympy as sp
 
-from geomtorsion.errors import ExpressionError, StartError
+from geomtorsion.codegen import graph
+from geomtorsion.errors import ExpressionError, StartError, TimeError
 from geomtorsion.exact import parse_expression
 from geomtorsion.exact.element import Element
 from geomtorsion.ode.numbers import Real
@@ -167,3 +169,26 @@ class When:
 
     falls: Any
     changes: Mapping[str, Any] = field(default_factory=dict, hash=False)
+
+
+def moments(events: Sequence[At], parameters: Mapping[str, Real]) -> list[tuple[At, int]]:
+    """Events with their times as numbers, in order of time, each with its place in the list.
+
+    Raises
+    ------
+    TimeError
+        a time is not a number of 0 or more.
+    """
+    rows = []
+    for k, event in enumerate(events):
+        at = event.time
+        if isinstance(at, sp.Expr):
+            value = graph(tuple(parameters), [at]).exactly(list(parameters.values()), 73)[0]
+            at = float(value) if not hasattr(value, "imag") or value.imag == 0 else math.nan
+            if not (math.isfinite(at) and at >= 0):
+                raise TimeError(
+                    f"event: expected a time of 0 or later, got {event.time} = {at}. Give other "
+                    "parameters."
+                )
+        rows.append((At(at, event.changes), k))
+    return sorted(rows, key=lambda row: row[0].time)

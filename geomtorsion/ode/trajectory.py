@@ -234,14 +234,9 @@ class Trajectory:
                 self._dense[k] = lambda t: np.broadcast_to(last, (len(t), len(last)))
             else:
                 again = scaled_run(
-                    self.engine,
-                    stage.system.unguarded,
-                    stage.start,
-                    stage.parameters,
-                    ends,
-                    self.tolerance,
-                    dense=True,
-                )
+                    self.engine, stage.system.unguarded, stage.start, stage.parameters, ends,
+                    self.tolerance, dense=True,
+                )  # fmt: skip
                 if again.dense is None:
                     raise StartError(without_dense(self.engine))
                 self._dense[k] = again.dense
@@ -301,7 +296,6 @@ def integrate(
         count = max(min(len(run.times) - head, count), 0)
         done += count
         segments.append(Segment(stage, run, head, count))
-        event: Event | None = None
         if run.outcome == "done":
             if stop is None:
                 return Trajectory(engine, tolerance, tuple(segments), "done")
@@ -312,17 +306,13 @@ def integrate(
                 continue
         else:
             event = stage.boundary
-            lasts = run.outcome == "stuck"
-            if event is None or (lasts and event.then is None):
-                return Trajectory(engine, tolerance, tuple(segments), run.outcome, run.reason)
-            if not lasts and event.stop is not None:
-                condition = event.stop(segments[-1].last)
-                if condition is not None:
-                    return Trajectory(engine, tolerance, tuple(segments), "stopped", condition)
+            ended = _ending(event, segments[-1])
+            if event is None or ended is not None:
+                return Trajectory(engine, tolerance, tuple(segments), *(ended or (run.outcome,)))
             # A motion that cannot continue in two stages in a row cannot continue at all. Engines
             # measure progress by the whole time, so that the same motion ends in every chart.
             moved = abs(float(run.reached) - begin) > STANDSTILL * abs(end)
-            idle = idle + 1 if lasts and not moved else 0
+            idle = idle + 1 if run.outcome == "stuck" and not moved else 0
         after = None
         if idle < 2 and len(segments) <= MOST_STAGES and event.then is not None:
             after = event.then(run.reached, segments[-1].last)
@@ -332,6 +322,16 @@ def integrate(
                 outcome, reason = event.ending(float(run.reached), segments[-1].last)
             return Trajectory(engine, tolerance, tuple(segments), outcome, run.reason or reason)
         stage = after
+
+
+def _ending(event: Event | None, segment: Segment) -> tuple[str, str] | None:
+    """Outcome and reason of a motion that ends at the boundary of its stage; else None."""
+    run = segment.run
+    if event is None or (run.outcome == "stuck" and event.then is None):
+        return run.outcome, run.reason
+    stop = None if run.outcome == "stuck" else event.stop
+    condition = None if stop is None else stop(segment.last)
+    return None if condition is None else ("stopped", condition)
 
 
 def _next_break(stage: Stage, cuts: Sequence[float], sign: float, end: float) -> float | None:

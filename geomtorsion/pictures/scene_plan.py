@@ -22,7 +22,7 @@ def plan_picture(
     title: str = "",
     notes: Sequence[str] = (),
 ) -> Figure:
-    """Boxes in columns, arrows from each box to those it needs; omitted boxes grey, with reason.
+    """Boxes in columns, arrows from each box to its needs; omitted boxes grey, with reason.
 
     Parameters
     ----------
@@ -79,7 +79,7 @@ def plan_picture(
 
 
 def layers_picture(layers: Sequence[Sequence[str]], edges: Iterable[tuple[str, str]]) -> Figure:
-    """Boxes in layers from top to bottom, arrows from each box to those that need it.
+    """Boxes in layers from top to bottom, arrows from each box to the boxes that need it.
 
     Raises
     ------

@@ -229,7 +229,7 @@ def svg_text(figure: Figure, *, outlines: bool = True) -> str:
 
 
 def pictured(text: str, draw: Callable[[], Figure]) -> str:
-    """Text with a picture below it, or with the reason why there is none.
+    """Text with a picture below it, or with the reason for its absence.
 
     Examples
     --------

@@ -1,4 +1,8 @@
-"""Prices: what digits, certainty and effects of any result cost, and which of them it needs."""
+"""Prices: what digits, certainty and effects of any result cost, and which of them it needs.
+
+ACCURACIES: relative errors that `price` requests by default.
+PROOFS: numbers of digits that `price` proves by default.
+"""
 
 from geomtorsion.prices.effects.called_for import HasEffects, called_for
 from geomtorsion.prices.effects.effect_budget import EffectBudget, EffectInfluence

@@ -50,7 +50,7 @@ def price(
     memory: bool = False,
     progress: Callable[[float], object] | bool | None = None,
 ) -> PriceList:
-    """What a result costs: every digit, its certainty and (of a scene) its effects.
+    """Cost of a result: each digit, its certainty and (of a scene) its effects.
 
     Each way to the result runs at each accuracy: plain, with its error estimate, and proved. The
     time is the fastest of repeated runs, in seconds of processor time; first runs, which may

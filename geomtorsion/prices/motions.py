@@ -45,10 +45,10 @@ States = Callable[[np.ndarray], Any]
 
 @dataclass(frozen=True)
 class Truth:
-    """Best known solution of a motion.
+    """Reference solution of a motion: a closed form, a proof, or the most accurate run.
 
     name: its source; trajectory: states at the times of the requested solutions.
-    radius: proved bound of its own error, relative; 0.0 where it is not proved.
+    radius: proved relative bound of its error; 0.0 without a proof.
     """
 
     name: str
@@ -84,7 +84,7 @@ def truth_of(problem: CurveProblem | ODE, grid: np.ndarray, exact: States | None
 
 
 def proved_truth(problem: CurveProblem | ODE, times: np.ndarray) -> Truth | None:
-    """The finest solution with the proved bound of its error; None where nothing is proved."""
+    """The finest solution with a proved bound of its error; None without a proof."""
     engine: Engine = Taylor(113) if is_available() else RungeKutta()
     try:
         finest = solve(problem, times, TRUTH_ACCURACY if is_available() else 1e-12, engine)

@@ -72,7 +72,7 @@ class Offer:
 
 @dataclass(frozen=True)
 class Request:
-    """What the price is requested for.
+    """Arguments of `price`.
 
     at: times, a loop or a point. accuracies: finest last. engines: None chooses.
     parameters: values by name. proofs: digits of proofs; none: no proof, and no enclosed truth.

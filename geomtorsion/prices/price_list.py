@@ -97,7 +97,7 @@ def _bounds_text(true: Bounds) -> str:
 
 @dataclass(frozen=True)
 class PriceList:
-    """What one result costs: digits, certainty, effects.
+    """Cost of one result: digits, certainty, effects.
 
     name: of the result. truth: what the true errors are measured against.
     rows: one for each way and accuracy, finer ones later.

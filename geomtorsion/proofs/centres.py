@@ -158,21 +158,26 @@ class RegularStart:
             if not all(x.is_finite() for x in (*flat, *values)):
                 return None
             bound = arb_mat([[upper(flat[i * n + j]) for j in range(n)] for i in range(n)])
-            unit = arb_mat([[(order + 1) * int(i == j) for j in range(n)] for i in range(n)])
-            try:
-                rest = (unit - bound).solve(arb_mat([[x] for x in defects]))
-            except ZeroDivisionError:
-                return None
-            tried = [(rest[i, 0] * arb(1.01)).upper() for i in range(n)]
-            grown = bound * arb_mat([[x] for x in tried])
-            holds = all(
-                x > 0 and defects[i] + grown[i, 0] <= (order + 1) * x for i, x in enumerate(tried)
-            )
-            if not holds:
+            tried = _contracted(bound, defects, order)
+            if tried is None:
                 return None
             if all(x <= w for x, w in zip(tried, widths, strict=True)):
                 return tried
             widths = [(2 * w).max(2 * x).upper() for x, w in zip(tried, widths, strict=True)]
+
+
+def _contracted(bound: arb_mat, defects: Sequence[arb], order: int) -> list[arb] | None:
+    """Bounds U > 0 with defects + bound U <= (order + 1) U; None where they are not proved."""
+    n = len(defects)
+    unit = arb_mat([[(order + 1) * int(i == j) for j in range(n)] for i in range(n)])
+    try:
+        rest = (unit - bound).solve(arb_mat([[x] for x in defects]))
+    except ZeroDivisionError:
+        return None
+    tried = [(rest[i, 0] * arb(1.01)).upper() for i in range(n)]
+    grown = bound * arb_mat([[x] for x in tried])
+    holds = all(x > 0 and defects[i] + grown[i, 0] <= (order + 1) * x for i, x in enumerate(tried))
+    return tried if holds else None
 
 
 def _exact(value: Any) -> sp.Expr:

@@ -226,7 +226,7 @@ def _along(function: Callable[[list[arb_series]], list[Ball]], rows: Rows, lengt
 
 
 def variation(slopes: Slopes, start: arb_mat, order: int) -> list[arb_mat]:
-    """Coefficients W_0 .. W_order of W' = J W, with columns W_0 at the start."""
+    """Taylor coefficients W_0 .. W_order of the solution of W' = J W with W(0) = `start`."""
     jacobians = [slopes.matrix(k, start.nrows()) for k in range(order)]
     coefficients = [start]
     for k in range(order):

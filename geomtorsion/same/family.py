@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from fractions import Fraction
 from itertools import combinations, islice, product
@@ -265,15 +265,25 @@ def member_of(
                 break
         is_open = is_open or contrast is None
         contrasts += [] if contrast is None else [contrast]
+    outcome = _decided(contrasts, list(ends), family.parameters, is_open, flipped)
+    return replace(every, decided=outcome)
+
+
+def _decided(
+    contrasts: Sequence[Contrast],
+    ends: Sequence[str],
+    parameters: Sequence[sp.Symbol],
+    is_open: bool,
+    flipped: bool,
+) -> Outcome:
+    """The outcome without an equal member; is_open: some members are not excluded."""
     towards = f"; the invariants are approached for {', '.join(ends)}" if ends else ""
     if is_open:
-        names = ", ".join(map(str, family.parameters))
+        names = ", ".join(map(str, parameters))
         text = f"no values of {names} were found, and not all are excluded{towards}"
-        outcome = Outcome("undecided", text, UNKNOWN)
-    else:
-        sure = least_certain(x.certainty for x in contrasts)
-        outcome = Outcome("different", contrasts[0].reason(flipped) + towards, sure)
-    return replace(every, decided=outcome)
+        return Outcome("undecided", text, UNKNOWN)
+    sure = least_certain(x.certainty for x in contrasts)
+    return Outcome("different", contrasts[0].reason(flipped) + towards, sure)
 
 
 def expressions(value: float, own: Mapping[str, sp.Rational]) -> Iterator[sp.Expr]:

@@ -22,7 +22,7 @@ ENOUGH = ALIKE**2
 
 @dataclass(frozen=True, eq=False)
 class Fit:
-    """Values of parameters at which the invariants of a point recur.
+    """Point and parameters of the second geometry with the invariants of a point of the first.
 
     place: coordinates of the point of the second geometry.
     values: one number for each parameter; 0 and infinity are limits.

@@ -241,7 +241,7 @@ class Assembly:
         return tuple(sp.Symbol(name) for name in self.constraint.speeds)
 
     def constrained(self, expression: Any) -> Any:
-        """An expression, or a matrix of them, with what the constraint fixes put in."""
+        """An expression or a matrix of expressions, with the values that the constraint fixes."""
         whole = isinstance(expression, sp.MatrixBase)
         value = expression if whole else expression_of(expression)
         return value.xreplace(dict(self.substitutions))
@@ -327,7 +327,7 @@ class Assembly:
 
 
 def power_of(part: Contribution) -> sp.Expr:
-    """What a contribution puts in per time."""
+    """Power of a contribution."""
     if part.power is not None:
         return expression_of(part.power)
     if part.energy is not None:

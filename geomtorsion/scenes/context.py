@@ -52,7 +52,7 @@ def group_of(name: str) -> str:
 
 
 class Context:
-    """What an effect is given: symbols for the state of the body, and a way to name numbers.
+    """Context of an effect: symbols for the state of the body, and a function that names numbers.
 
     Omega: body angular velocity, body axes, three symbols (rad/s).
     R: attitude, 3 x 3 symbols, body to space; its last row is `vertical`.

@@ -64,7 +64,7 @@ class Magnitude:
 
 @dataclass(frozen=True, eq=False)
 class Magnitudes:
-    """Influence of the shipped effects that a scene does not have; nothing is added to it.
+    """Influence of the shipped effects that a scene does not have; the scene stays unchanged.
 
     scene: as it is.
     surroundings: from which the numbers follow.

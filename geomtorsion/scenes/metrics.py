@@ -24,7 +24,7 @@ _NAMED = re.compile(
 
 @dataclass(frozen=True, eq=False)
 class SweepRun:
-    """One motion of a sweep: what a measure is given.
+    """One motion of a sweep, the argument of a measure.
 
     times: shape (m,), s. values: watched quantity -> array, shape (m,) or (m, components).
     varied: path -> the value it has here.

@@ -222,7 +222,7 @@ def observable(name: str, assembly: Assembly) -> Observable:
 
 
 def unknown(name: str, own: Iterable[str] = ()) -> str:
-    """The message that nothing of this name can be watched."""
+    """The message for a name that cannot be watched."""
     names = (*OBSERVABLES, *own)
     hint = did_you_mean(str(name), names)
     return (

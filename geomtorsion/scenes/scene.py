@@ -553,7 +553,7 @@ class SceneCostRow:
 
 @dataclass(frozen=True)
 class SceneCost:
-    """What each effect of a scene costs; prints as a table.
+    """Cost of each effect of a scene; prints as a table.
 
     rows: one row per effect; effects are added in the order of the scene.
     """

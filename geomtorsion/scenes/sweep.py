@@ -319,7 +319,7 @@ class _Measured:
         self._went_on()
 
     def lose(self, member: _Member, reason: str) -> None:
-        """A motion that does not reach its end: nothing is measured, and the reason is kept."""
+        """Record a motion that ends too early, with the reason and without a measurement."""
         self.unfinished[member.place] = reason
         self._went_on()
 

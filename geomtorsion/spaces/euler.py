@@ -5,11 +5,19 @@ from __future__ import annotations
 from dataclasses import dataclass
 from functools import partial
 
-from sympy import Expr, Rational, Symbol, cos, pi, sin, symbols
+from sympy import Expr, Symbol, cos, pi, sin, symbols
 
 from geomtorsion.geometry import Frame
-from geomtorsion.spaces.rotations import XYZ, ZXZ, ZYX, Angles, angle_atlas, angle_embedding
-from geomtorsion.spaces.space import KnownAnswer, Space, alternating, box, diagonal
+from geomtorsion.spaces.rotations import (
+    BODY_FIXED,
+    XYZ,
+    ZXZ,
+    ZYX,
+    Angles,
+    angle_atlas,
+    angle_embedding,
+)
+from geomtorsion.spaces.space import KnownAnswer, Space, box
 
 
 @dataclass(frozen=True)
@@ -96,7 +104,6 @@ CONVENTIONS = {"so3_zxz": _zxz, "so3_xyz": _xyz, "so3_zyx": _zyx}
 def space(name: str) -> Space:
     """The convention of this name, with the answers that all of them share."""
     convention = CONVENTIONS[name]()
-    half = Rational(1, 2)
     frame = Frame(
         convention.coordinates, convention.coframe, domain=box(convention.domain), name=name
     )
@@ -107,11 +114,7 @@ def space(name: str) -> Space:
         frame=frame,
         known=(
             KnownAnswer("determinant", convention.determinant),
-            KnownAnswer("torsion", alternating({(0, 1, 2): -half}), basis="frame"),
-            KnownAnswer("torsion_scalar", -3 * half),
-            KnownAnswer("cartan_curvature", {}),
-            KnownAnswer("ricci", diagonal([half] * 3), basis="frame"),
-            KnownAnswer("scalar_curvature", 3 * half),
+            *BODY_FIXED,
         ),
         atlas=partial(angle_atlas, convention.angles),
         embedding=partial(angle_embedding, convention.angles),

@@ -14,7 +14,15 @@ from geomtorsion.curves.atlas import GAIN, Atlas, Chart, MapFunctions, Transitio
 from geomtorsion.geometry import Frame
 from geomtorsion.spaces.coordinates import AXIS
 from geomtorsion.spaces.embedding import orbit_embedding
-from geomtorsion.spaces.space import FirstMotion, KnownAnswer, Space, antisymmetric, box, matrix
+from geomtorsion.spaces.space import (
+    FirstMotion,
+    KnownAnswer,
+    Space,
+    Table,
+    antisymmetric,
+    box,
+    matrix,
+)
 
 # The chart over the axis may be entered at the poles, where its edge is at one.
 FAR = 1 / (2 * GAIN)
@@ -38,16 +46,35 @@ Values = Sequence[Any]
 Numbers = Mapping[str, Any]
 
 
-def space(name: str) -> Space:
-    """Carter's tetrad in Boyer-Lindquist coordinates."""
-    t, r, theta, phi = symbols("t r theta phi", real=True)
-    mass, a = symbols("M a", positive=True)
+def boyer_lindquist(mass: sp.Expr, a: sp.Expr, r: sp.Expr, theta: sp.Expr) -> Table:
+    """Components of the metric of Kerr in t, r, theta, phi."""
+    sigma = r**2 + a**2 * cos(theta) ** 2
+    delta = r**2 - 2 * mass * r + a**2
+    drag = -2 * mass * r * a * sin(theta) ** 2 / sigma
+    return matrix(
+        [
+            [-(1 - 2 * mass * r / sigma), 0, 0, drag],
+            [0, sigma / delta, 0, 0],
+            [0, 0, sigma, 0],
+            [drag, 0, 0, (r**2 + a**2 - a * drag) * sin(theta) ** 2],
+        ]
+    )
+
+
+def carter(
+    place: Sequence[sp.Symbol],
+    delta: sp.Expr,
+    a: sp.Symbol,
+    parameters: Sequence[sp.Symbol],
+    name: str,
+) -> Frame:
+    """Carter's tetrad in t, r, theta, phi; delta: (r - r+)(r - r-); first parameter: the mass."""
+    _, r, theta, phi = place
     c, s = cos(theta), sin(theta)
     sigma = r**2 + a**2 * c**2
-    delta = r**2 - 2 * mass * r + a**2
     slow, long = sqrt(delta) / sqrt(sigma), sqrt(sigma)
-    frame = Frame(
-        (t, r, theta, phi),
+    return Frame(
+        place,
         [
             [slow, 0, 0, -a * s**2 * slow],
             [0, 1 / slow, 0, 0],
@@ -55,12 +82,22 @@ def space(name: str) -> Space:
             [-a * s / long, 0, 0, (r**2 + a**2) * s / long],
         ],
         signature=(-1, 1, 1, 1),
-        parameters=(mass, a),
-        # Outside the outer horizon, r = M + sqrt(M^2 - a^2).
-        domain=[delta > 0, *box({r: (mass, oo), theta: (0, pi), phi: (0, 2 * pi)})],
+        parameters=parameters,
+        # Outside the outer horizon, the larger zero of delta, which is beyond r = M.
+        domain=[delta > 0, *box({r: (parameters[0], oo), theta: (0, pi), phi: (0, 2 * pi)})],
         name=name,
     )
-    drag = -2 * mass * r * a * s**2 / sigma
+
+
+def space(name: str) -> Space:
+    """Carter's tetrad in Boyer-Lindquist coordinates."""
+    t, r, theta, phi = symbols("t r theta phi", real=True)
+    mass, a = symbols("M a", positive=True)
+    c, s = cos(theta), sin(theta)
+    sigma = r**2 + a**2 * c**2
+    long = sqrt(sigma)
+    delta = r**2 - 2 * mass * r + a**2
+    frame = carter((t, r, theta, phi), delta, a, (mass, a), name)
     half = Rational(1, 2)
     return Space(
         name,
@@ -71,17 +108,7 @@ def space(name: str) -> Space:
         source="B. Carter, Commun. Math. Phys. 10 (1968) 280",
         frame=frame,
         known=(
-            KnownAnswer(
-                "metric",
-                matrix(
-                    [
-                        [-(1 - 2 * mass * r / sigma), 0, 0, drag],
-                        [0, sigma / delta, 0, 0],
-                        [0, 0, sigma, 0],
-                        [drag, 0, 0, (r**2 + a**2 - a * drag) * s**2],
-                    ]
-                ),
-            ),
+            KnownAnswer("metric", boyer_lindquist(mass, a, r, theta)),
             KnownAnswer("determinant", sigma * s),
             KnownAnswer(
                 "torsion",

@@ -3,7 +3,8 @@
 from sympy import I, Rational, cos, oo, pi, sin, sqrt, symbols
 
 from geomtorsion.geometry import Frame
-from geomtorsion.spaces.space import KnownAnswer, Space, antisymmetric, box, matrix
+from geomtorsion.spaces.kerr import boyer_lindquist
+from geomtorsion.spaces.space import KnownAnswer, Space, antisymmetric, box
 
 
 def space(name: str) -> Space:
@@ -30,7 +31,6 @@ def space(name: str) -> Space:
         complex=True,
         name=name,
     )
-    drag = -2 * mass * r * a * s**2 / sigma
     # Psi_2 = -M / (r - i a cos(theta))^3; the order of the last two indices is opposite here.
     psi2 = -mass / (r - I * a * c) ** 3
     return Space(
@@ -43,17 +43,7 @@ def space(name: str) -> Space:
         "S. A. Teukolsky, Astrophys. J. 185 (1973) 635, eq. (4.4)",
         frame=frame,
         known=(
-            KnownAnswer(
-                "metric",
-                matrix(
-                    [
-                        [-(1 - 2 * mass * r / sigma), 0, 0, drag],
-                        [0, sigma / delta, 0, 0],
-                        [0, 0, sigma, 0],
-                        [drag, 0, 0, (r**2 + a**2 - a * drag) * s**2],
-                    ]
-                ),
-            ),
+            KnownAnswer("metric", boyer_lindquist(mass, a, r, theta)),
             KnownAnswer(
                 "legs",
                 {

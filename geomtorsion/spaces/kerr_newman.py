@@ -1,14 +1,13 @@
 """kerr_newman: the charged rotating black hole in Carter's tetrad."""
 
-from sympy import cos, oo, pi, sin, sqrt, symbols
+from sympy import cos, sin, sqrt, symbols
 
-from geomtorsion.geometry import Frame
+from geomtorsion.spaces.kerr import carter
 from geomtorsion.spaces.space import (
     FirstMotion,
     KnownAnswer,
     Space,
     antisymmetric,
-    box,
     diagonal,
 )
 
@@ -20,21 +19,8 @@ def space(name: str) -> Space:
     c, s = cos(theta), sin(theta)
     sigma = r**2 + a**2 * c**2
     delta = r**2 - 2 * mass * r + a**2 + charge**2
-    slow, long = sqrt(delta) / sqrt(sigma), sqrt(sigma)
-    frame = Frame(
-        (t, r, theta, phi),
-        [
-            [slow, 0, 0, -a * s**2 * slow],
-            [0, 1 / slow, 0, 0],
-            [0, 0, long, 0],
-            [-a * s / long, 0, 0, (r**2 + a**2) * s / long],
-        ],
-        signature=(-1, 1, 1, 1),
-        parameters=(mass, a, charge),
-        # Outside the outer horizon, r = M + sqrt(M^2 - a^2 - q^2).
-        domain=[delta > 0, *box({r: (mass, oo), theta: (0, pi), phi: (0, 2 * pi)})],
-        name=name,
-    )
+    frame = carter((t, r, theta, phi), delta, a, (mass, a, charge), name)
+    slow = sqrt(delta) / sqrt(sigma)
     energy = charge**2 / sigma**2
     return Space(
         name,

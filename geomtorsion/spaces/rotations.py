@@ -15,9 +15,18 @@ from geomtorsion.rigid.attitude import hamilton_product, rotation_rows
 from geomtorsion.spaces.coordinates import MARGIN, length
 from geomtorsion.spaces.embedding import Embedding
 from geomtorsion.spaces.registry import load
+from geomtorsion.spaces.space import KnownAnswer, alternating, diagonal
 
 QUATERNION = sp.symbols("Q0 Q1 Q2 Q3", real=True)
 AXES = {"x": 1, "y": 2, "z": 3}
+# Known answers of each left-invariant frame of rotations, e^i = body-fixed angular velocity.
+BODY_FIXED = (
+    KnownAnswer("torsion", alternating({(0, 1, 2): -sp.Rational(1, 2)}), basis="frame"),
+    KnownAnswer("torsion_scalar", -sp.Rational(3, 2)),
+    KnownAnswer("cartan_curvature", {}),
+    KnownAnswer("ricci", diagonal([sp.Rational(1, 2)] * 3), basis="frame"),
+    KnownAnswer("scalar_curvature", sp.Rational(3, 2)),
+)
 
 
 @dataclass(frozen=True)

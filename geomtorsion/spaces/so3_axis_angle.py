@@ -3,20 +3,25 @@
 from collections.abc import Sequence
 from functools import partial
 
-from sympy import Matrix, Rational, Symbol, atan2, cos, pi, sin, symbols
+from sympy import Matrix, Symbol, atan2, cos, pi, sin, symbols
 
 from geomtorsion.geometry import Frame
 from geomtorsion.spaces.coordinates import length, spherical
 from geomtorsion.spaces.embedding import Embedding
-from geomtorsion.spaces.rotations import QUATERNION, QuaternionMap, quaternion_atlas, rotation
-from geomtorsion.spaces.space import KnownAnswer, Space, alternating, box, diagonal
+from geomtorsion.spaces.rotations import (
+    BODY_FIXED,
+    QUATERNION,
+    QuaternionMap,
+    quaternion_atlas,
+    rotation,
+)
+from geomtorsion.spaces.space import KnownAnswer, Space, box, diagonal
 
 
 def space(name: str) -> Space:
     """Rotation by chi about n(theta, phi): n dchi + sin(chi) dn - (1 - cos(chi)) n x dn."""
     chi, theta, phi = q = symbols("chi theta phi", real=True)
     axis = Matrix([sin(theta) * cos(phi), sin(theta) * sin(phi), cos(theta)])
-    half = Rational(1, 2)
     legs = [axis]
     for angle in (theta, phi):
         change = axis.diff(angle)
@@ -40,11 +45,7 @@ def space(name: str) -> Space:
         known=(
             KnownAnswer("metric", diagonal([1, stretch, stretch * sin(theta) ** 2])),
             KnownAnswer("determinant", stretch * sin(theta)),
-            KnownAnswer("torsion", alternating({(0, 1, 2): -half}), basis="frame"),
-            KnownAnswer("torsion_scalar", -3 * half),
-            KnownAnswer("cartan_curvature", {}),
-            KnownAnswer("ricci", diagonal([half] * 3), basis="frame"),
-            KnownAnswer("scalar_curvature", 3 * half),
+            *BODY_FIXED,
         ),
         atlas=partial(quaternion_atlas, _map),
         embedding=_embedding,

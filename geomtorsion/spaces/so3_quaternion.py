@@ -3,13 +3,19 @@
 from collections.abc import Sequence
 from functools import partial
 
-from sympy import Expr, Rational, Symbol, eye, sqrt, symbols
+from sympy import Expr, Symbol, eye, sqrt, symbols
 
 from geomtorsion.curves.atlas import MapFunctions
 from geomtorsion.geometry import Frame
 from geomtorsion.spaces.embedding import Embedding
-from geomtorsion.spaces.rotations import QUATERNION, QuaternionMap, quaternion_atlas, rotation
-from geomtorsion.spaces.space import FirstMotion, KnownAnswer, Space, alternating, diagonal
+from geomtorsion.spaces.rotations import (
+    BODY_FIXED,
+    QUATERNION,
+    QuaternionMap,
+    quaternion_atlas,
+    rotation,
+)
+from geomtorsion.spaces.space import FirstMotion, KnownAnswer, Space
 
 
 def space(name: str) -> Space:
@@ -18,7 +24,6 @@ def space(name: str) -> Space:
     q0 = sqrt(1 - q1**2 - q2**2 - q3**2)
     turn = [[0, q3, -q2], [-q3, 0, q1], [q2, -q1, 0]]
     unit = eye(3)
-    half = Rational(1, 2)
     frame = Frame(
         q,
         [
@@ -41,11 +46,7 @@ def space(name: str) -> Space:
         known=(
             KnownAnswer("metric", metric),
             KnownAnswer("determinant", 8 / q0),
-            KnownAnswer("torsion", alternating({(0, 1, 2): -half}), basis="frame"),
-            KnownAnswer("torsion_scalar", -3 * half),
-            KnownAnswer("cartan_curvature", {}),
-            KnownAnswer("ricci", diagonal([half] * 3), basis="frame"),
-            KnownAnswer("scalar_curvature", 3 * half),
+            *BODY_FIXED,
         ),
         atlas=partial(quaternion_atlas, _map),
         embedding=_embedding,

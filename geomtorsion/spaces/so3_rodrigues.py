@@ -3,12 +3,18 @@
 from collections.abc import Sequence
 from functools import partial
 
-from sympy import Rational, S, Symbol, eye, sqrt, symbols
+from sympy import S, Symbol, eye, sqrt, symbols
 
 from geomtorsion.geometry import Frame
 from geomtorsion.spaces.embedding import Embedding
-from geomtorsion.spaces.rotations import QUATERNION, QuaternionMap, quaternion_atlas, rotation
-from geomtorsion.spaces.space import FirstMotion, KnownAnswer, Space, alternating, diagonal
+from geomtorsion.spaces.rotations import (
+    BODY_FIXED,
+    QUATERNION,
+    QuaternionMap,
+    quaternion_atlas,
+    rotation,
+)
+from geomtorsion.spaces.space import FirstMotion, KnownAnswer, Space
 
 
 def space(name: str) -> Space:
@@ -17,7 +23,6 @@ def space(name: str) -> Space:
     square = g1**2 + g2**2 + g3**2
     turn = [[0, g3, -g2], [-g3, 0, g1], [g2, -g1, 0]]
     unit = eye(3)
-    half = Rational(1, 2)
     frame = Frame(
         g,
         [[2 * (unit[i, j] + turn[i][j]) / (1 + square) for j in range(3)] for i in range(3)],
@@ -40,11 +45,7 @@ def space(name: str) -> Space:
         known=(
             KnownAnswer("metric", metric),
             KnownAnswer("determinant", 8 / (1 + square) ** 2),
-            KnownAnswer("torsion", alternating({(0, 1, 2): -half}), basis="frame"),
-            KnownAnswer("torsion_scalar", -3 * half),
-            KnownAnswer("cartan_curvature", {}),
-            KnownAnswer("ricci", diagonal([half] * 3), basis="frame"),
-            KnownAnswer("scalar_curvature", 3 * half),
+            *BODY_FIXED,
         ),
         atlas=partial(quaternion_atlas, _map),
         embedding=_embedding,

@@ -29,7 +29,7 @@ FLAG = "true or false"
 
 @dataclass(frozen=True)
 class Vocabulary:
-    """What may occur in the expressions of one file.
+    """Names that may occur in the expressions of one file.
 
     file: its name, for messages. coordinates, parameters: symbols. functions: name -> a(t).
     """

@@ -14,7 +14,7 @@ T = TypeVar("T")
 
 
 class Executor(Protocol):
-    """What takes work as `concurrent.futures.Executor` does: a pool of processes or threads.
+    """A pool of processes or threads with the interface of `concurrent.futures.Executor`.
 
     mpi4py.futures has one, and a `dask.distributed.Client` gives one.
     """

@@ -42,7 +42,7 @@ class Bounds:
     megabytes: float | None = None
 
     def exceeded(self, seconds: float, taken: float, growth: float = 1.0) -> str:
-        """The limit that is exceeded, as "5 s"; empty if none is."""
+        """The exceeded limit as text, such as "5 s"; empty within all limits."""
         if self.megabytes is not None and taken > growth * self.megabytes * 10**6:
             return f"{self.megabytes:g} MB"
         if self.seconds is not None and seconds >= self.seconds:
@@ -277,7 +277,7 @@ class LineProcess:
         return self.owner == os.getpid() and self.process.poll() is None
 
     def end(self) -> None:
-        """End the process and those below it, at once."""
+        """End the process and its children at once."""
         if self.owner != os.getpid():
             return
         if self.lives:

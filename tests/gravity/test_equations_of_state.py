@@ -25,6 +25,7 @@ FONT = 100 * 1.28e-3**2
 # The other integration omits a layer with this share of the root of the central pressure.
 SHARE = 1e-7
 NOTHING: Any = None
+THREE: Any = 3
 OWN = g.equations(gt.levi_civita(STATIC), "R/(16*pi)", g.fluid(p="SLy"))
 
 
@@ -229,7 +230,7 @@ def test_units_belong_to_the_numbers_only() -> None:
     assert g.equation_of_state(SOFT) is SOFT
     for source in ("SLy", SOFT, [(1e-7, 1e-4)]):
         with pytest.raises(GeomtorsionError, match="units: expected .*geometric, si, cgs, mev"):
-            g.equation_of_state(source, units=NOTHING or 3)
+            g.equation_of_state(source, units=THREE)
 
 
 def test_a_centre_where_pieces_meet() -> None:

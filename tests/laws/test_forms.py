@@ -19,6 +19,7 @@ from geomtorsion.geometry import (
     lie_bracket,
 )
 from geomtorsion.spaces import load, names
+from tests import chosen
 from tests.laws.frames import connections, frames
 
 few = settings(
@@ -108,7 +109,7 @@ def test_calculus_over_a_shipped_space(name: str) -> None:
     check_calculus(load(name).frame)
 
 
-@pytest.mark.parametrize("name", names())
+@pytest.mark.parametrize("name", chosen.few(20, names()))
 def test_dual_over_a_shipped_space(name: str) -> None:
     """The Hodge dual in every dimension and signature, null tetrads included."""
     check_star(load(name).frame)

@@ -360,6 +360,20 @@ def test_what_the_equations_do_not_describe_is_refused_with_the_reason(name):
     assert len(error.value.solution.times) >= 0
 
 
+@pytest.mark.parametrize("law", ["pieces(t, 1, a, 2, b, 3)", "pieces(-t, 3, -b, 2, -a, 1)"])
+def test_levels_that_are_parameters_have_to_increase(law):
+    """The pieces 1, 2 and 3 for a time of one each; a value in a wrong order is refused."""
+    steps = gt.ODE.of({"x": law}, [0], parameters={"a": 1, "b": 2})
+    assert gt.solve(steps, 3.0)["x"][-1] == pytest.approx(6, rel=1e-9)
+    equal = steps.with_start(parameters={"b": 1})
+    assert gt.solve(equal, 3.0, derivatives=["a"])["x"][-1] == pytest.approx(7, rel=1e-9)
+    with pytest.raises(StartError, match="the levels .* of pieces in .*t do not increase"):
+        gt.solve(steps.with_start(parameters={"a": 3}), 3.0)
+    later = steps.with_start(events=[gt.At(0.5, {"a": 5})])
+    with pytest.raises(StuckError, match="do not increase"):
+        gt.solve(later, 3.0)
+
+
 @pytest.mark.parametrize("engine", [None, gt.RungeKutta()])
 def test_a_change_at_a_later_time_does_not_touch_a_motion_backwards(engine):
     """x' = k, with k = 2 from t = 1 on: x(-2) = -2, also as a member of many."""

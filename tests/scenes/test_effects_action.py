@@ -8,6 +8,7 @@ from geomtorsion.exact import Field
 from geomtorsion.scenes import Body, effects
 from geomtorsion.scenes.assembly import assemble
 from geomtorsion.scenes.context import ATTITUDE, OMEGA, POSITION, VELOCITY
+from tests.chosen import few
 
 E = effects
 MASS, MOMENTS = sp.Integer(2), (sp.Integer(1), sp.Rational(3, 2), sp.Rational(9, 4))
@@ -109,7 +110,7 @@ FREE = {
 }  # fmt: skip
 
 
-@pytest.mark.parametrize("name", FREE)
+@pytest.mark.parametrize("name", few(4, list(FREE)))
 def test_free_bodies(name):
     """On the frame of R^3 x SO(3), by Hamilton's principle or (autoparallels) Kleinert's."""
     acting, lagrangian, forces, principle = FREE[name]

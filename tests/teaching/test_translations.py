@@ -10,6 +10,8 @@ from pathlib import Path
 import pytest
 
 from geomtorsion import exercises
+from geomtorsion.spaces import titles
+from geomtorsion.teaching.lab.space_info import drawable
 from geomtorsion.teaching.texts import (
     FOLDER,
     is_complete,
@@ -18,6 +20,7 @@ from geomtorsion.teaching.texts import (
     texts,
     untranslated,
 )
+from tests.cli.running import run
 
 FILES = sorted(path.stem for path in (FOLDER / "en").glob("*.toml"))
 OTHERS = languages()[1:]
@@ -27,7 +30,7 @@ PROSE = re.compile(r"\\text\{[^}]*\}")
 # Language -> words that it shares with English.
 SAME = {
     "de": {"in", "In", "Python", "yes", "phi", "Animation", "Torsion"},
-    "fr": {"point", "points"},
+    "fr": {"point", "points", "question", "verdict"},
 }
 
 
@@ -95,8 +98,16 @@ def test_no_text_is_left_in_english(language: str):
 @pytest.mark.parametrize("language", OTHERS)
 def test_titles_of_exercises_are_distinct(language: str):
     """A list of exercises shows each title once."""
-    titles = exercises.titles(language)
-    assert len(set(titles.values())) == len(titles)
+    named = exercises.titles(language)
+    assert len(set(named.values())) == len(named)
+
+
+def test_every_space_has_its_title():
+    """The file of titles has each shipped space, with its title in the library."""
+    assert texts("spaces", "titles").table() == dict(titles())
+    german = drawable("de")
+    assert "heisenberg: die Heisenberg-Gruppe (Nil)" in german
+    assert list(german.values()) == list(drawable().values())
 
 
 def test_a_language_reports_what_it_lacks(tmp_path: Path):
@@ -118,3 +129,46 @@ def test_the_laws_see_wrong_translations():
     )
     assert first == second
     assert FORMULA.findall("$a$ and `b` and $$c$$") == ["$a$", "`b`", "$$c$$"]
+
+
+def test_german_verdicts_in_words():
+    """Points, states, notes and the advice about a decimal comma are German."""
+    spiral = exercises.load("4.1", language="de")
+    verdict = spiral.check({"radius": "1,5", "winkel": "2"})
+    assert "Schreibe 1.5." in verdict["radius"].message
+    assert verdict.points_text == "0 bis 1 von 2 Punkten"
+    assert verdict.notes == ("Es gibt keine Frage 'winkel': Diese Antwort wird nicht gezählt.",)
+    assert "nicht lesbar" in str(verdict)
+    assert "<th>Urteil</th>" in verdict._repr_html_()
+    copied = type(verdict).from_json(verdict.to_json())
+    assert copied == verdict
+    assert repr(spiral.check(spiral.answers())).endswith("radius richtig, angle richtig)")
+
+
+def test_a_choice_may_be_given_by_the_first_word_of_its_text():
+    """The words ja and nein choose an option of a German exercise, not of an English one."""
+    constraint = exercises.load("4.5", language="de")
+    verdicts = [
+        constraint.check({"integrable": word})["integrable"].right
+        for word in (constraint.answers()["integrable"], "nein", "ja")
+    ]
+    assert sorted(verdicts[1:]) == [False, True]
+    assert verdicts[0]
+    assert not exercises.load("4.5").check({"integrable": "nein"})["integrable"].was_read
+
+
+def test_german_words_of_the_command_line():
+    """Each command of exercises has German words around the texts."""
+    for arguments, words in {
+        ("show", "6.4"): ("Variante (seed) 0", "3 Hinweise: `geomtorsion exercises hint 6.4"),
+        ("hint", "6.4"): ("Weiter: `geomtorsion exercises hint 6.4 --language de --step 2`",),
+        ("solution", "6.4"): ("Antworten, wie sie geprüft werden:",),
+    }.items():
+        shown = run("exercises", *arguments, "--language", "de").stdout
+        for word in words:
+            assert word in " ".join(shown.split())
+    listed = run("exercises", "--language", "de").stdout
+    assert "`geomtorsion exercises show 1.1` zeigt eine davon." in listed
+    answers = ("radius=1,5", "angle=2", "--language", "de")
+    checked = run("exercises", "check", "4.1", *answers, code=1).stdout
+    assert "Nicht verstanden, also weder richtig noch falsch: radius." in checked

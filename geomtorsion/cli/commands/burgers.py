@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Iterable, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from pathlib import Path
 from typing import Annotated, Any
 
@@ -116,26 +116,11 @@ def burgers(
         raise typer.BadParameter(
             "expected a loop, got none. Use --circle, --polygon, ... or --loops FILE."
         )
-    results: list[dict[str, Any]] = []
-    vectors: list[BurgersVector | None] = []
-    complete = True
     with working(f"{name}: {len(all_loops)} loops") as progress:
-        try:
-            for k, one in enumerate(all_loops, 1):
-                progress(f"loop {k}")
-                try:
-                    result, vector = _solved(frame, one, accuracy, parameters, exact)
-                    if vector is not None and proved:
-                        result |= {"proof": prove(vector).to_json()}
-                except GeomtorsionError as error:
-                    if len(all_loops) == 1 or isinstance(error, MissingValueError):
-                        raise
-                    kind = type(error).__name__
-                    result, vector = {"loop": one.name, "failed": str(error), "kind": kind}, None
-                results.append(result)
-                vectors.append(vector)
-        except KeyboardInterrupt:
-            complete = False
+        results, vectors = _computed(
+            frame, all_loops, accuracy, parameters, progress, exact=exact, proved=proved
+        )
+    complete = len(results) == len(all_loops)
     document = {
         "space": name,
         "parameters": {name: str(value) for name, value in parameters.items()},
@@ -153,6 +138,41 @@ def burgers(
         raise typer.Exit(ExitCode.interrupted)
     if any("failed" in result for result in results):
         raise typer.Exit(ExitCode.failed)
+
+
+def _computed(
+    frame: Frame,
+    loops: Sequence[Loop],
+    accuracy: float | None,
+    parameters: Values,
+    progress: Callable[[str], object],
+    *,
+    exact: bool,
+    proved: bool,
+) -> tuple[list[dict[str, Any]], list[BurgersVector | None]]:
+    """Results as plain data and vectors of all loops, or of the first ones until Ctrl-C.
+
+    The entry of a loop that fails reports the error; the error of a single loop is raised.
+    """
+    results: list[dict[str, Any]] = []
+    vectors: list[BurgersVector | None] = []
+    try:
+        for k, one in enumerate(loops, 1):
+            progress(f"loop {k}")
+            try:
+                result, vector = _solved(frame, one, accuracy, parameters, exact)
+                if vector is not None and proved:
+                    result |= {"proof": prove(vector).to_json()}
+            except GeomtorsionError as error:
+                if len(loops) == 1 or isinstance(error, MissingValueError):
+                    raise
+                kind = type(error).__name__
+                result, vector = {"loop": one.name, "failed": str(error), "kind": kind}, None
+            results.append(result)
+            vectors.append(vector)
+    except KeyboardInterrupt:
+        pass
+    return results, vectors
 
 
 def _exact_assignments(texts: Iterable[str]) -> Values:

@@ -37,7 +37,7 @@ from geomtorsion.teaching.exercises.prose import text_of
 from geomtorsion.teaching.exercises.question import how_to_answer
 from geomtorsion.teaching.exercises.registry import chapters
 from geomtorsion.teaching.exercises.sheets import write_sheet
-from geomtorsion.teaching.exercises.verdict import TITLES, Verdict
+from geomtorsion.teaching.exercises.verdict import STATES, TITLES, Verdict
 from geomtorsion.teaching.texts import ENGLISH, language_name, texts
 
 
@@ -58,14 +58,16 @@ def show(
     """
     exercise = load(number, seed, language, chapter)
     typer.echo(typer.style(f"{exercise.number}  {exercise.title}", bold=True))
-    typer.echo(f"{exercise.chapter}; {exercise.level_name}; seed {exercise.seed}\n")
+    text = texts("sheets", "command", exercise.language)
+    facts = {"chapter": exercise.chapter, "level": exercise.level_name, "seed": exercise.seed}
+    typer.echo(text("facts", **facts) + "\n")
     _say_note(exercise)
     typer.echo(wrapped(text_of(exercise.statement)))
     words = texts("sheets", "sheet", exercise.language)
     for question in exercise.questions:
         typer.echo()
         name = typer.style(question.name, bold=True)
-        points = f" ({question.points} points)" if question.points > 1 else ""
+        points = f" {text('points', points=question.points)}" if question.points > 1 else ""
         typer.echo(f"{name}{points}: " + wrapped(text_of(question.prompt), len(question.name) + 2))
         how = words("answer", how=how_to_answer(question, options=False))
         typer.echo(wrapped(f"  {text_of(how)}"))
@@ -73,7 +75,8 @@ def show(
             typer.echo(f"    {key}: {meaning}")
     again = _again(exercise)
     hints = len(exercise.hints)
-    typer.echo(f"\n{hints} hints: `geomtorsion exercises hint {number}{again}`.")
+    command = f"`geomtorsion exercises hint {number}{again}`"
+    typer.echo("\n" + text("hints", count=hints, command=command))
 
 
 def _say_note(exercise: Exercise) -> None:
@@ -111,7 +114,8 @@ def hint(
     # Hints are shown one by one: the next one is requested by its number.
     if step < len(exercise.hints):
         again = _again(exercise)
-        typer.echo(f"Next: `geomtorsion exercises hint {number}{again} --step {step + 1}`.")
+        command = f"`geomtorsion exercises hint {number}{again} --step {step + 1}`"
+        typer.echo(texts("sheets", "command", exercise.language)("next", command=command))
 
 
 def solution(
@@ -128,12 +132,14 @@ def solution(
       geomtorsion exercises solution 3.2 --seed 7
     """
     exercise = load(number, seed, language, chapter)
-    typer.echo(typer.style(f"{exercise.number}  {exercise.title}, seed {seed}", bold=True))
+    text = texts("sheets", "command", exercise.language)
+    heading = text("solved", number=exercise.number, title=exercise.title, seed=seed)
+    typer.echo(typer.style(heading, bold=True))
     if exercise.note:
         typer.echo(wrapped(exercise.note))
     for place, step in enumerate(exercise.worked, 1):
         typer.echo(f"\n{place}. " + wrapped(text_of(step.text), 3))
-    typer.echo("\nAnswers, as they are checked:")
+    typer.echo("\n" + text("answers"))
     for name, answer in exercise.answers().items():
         typer.echo(wrapped(f"  {name}: {answer}", len(name) + 4))
 
@@ -229,26 +235,24 @@ SIGNS = {"right": ("✓", typer.colors.GREEN), "wrong": ("✗", typer.colors.RED
 
 def _say(verdict: Verdict, titles: Mapping[str, str]) -> None:
     """The verdict in colours, and in signs where the terminal has them."""
+    words, states = texts("sheets", "command", verdict.language), STATES.of(verdict.language)
     for question in verdict.questions:
         sign, colour = SIGNS.get(question.state, ("?", typer.colors.YELLOW))
         if not shows_greek():
-            sign = question.state
+            sign = states[question.state]
         kind = f" [{titles[question.diagnosis]}]" if question.diagnosis else ""
         text = question.message.removeprefix(f"{question.name}: ")
         message = text if "\n" in text else text_of(text)
         lead = f"{sign} {question.name}{kind}: "
         typer.echo(typer.style(sign, fg=colour) + lead[len(sign) :] + wrapped(message, len(lead)))
         if question.read_as and not question.right:
-            typer.echo(f"  read as: {question.read_as}")
+            typer.echo(f"  {words('read', answer=question.read_as)}")
     for note in verdict.notes:
         typer.echo(note)
     if len(verdict.questions) > 1:
         typer.echo(verdict.points_text)
     if verdict.unread:
-        typer.echo(
-            f"Not understood, so neither right nor wrong: {', '.join(verdict.unread)}. Write it "
-            "again."
-        )
+        typer.echo(words("unread", names=", ".join(verdict.unread)))
 
 
 def sheet(

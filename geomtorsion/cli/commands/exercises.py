@@ -11,7 +11,7 @@ from geomtorsion.cli.options import ChapterFolder, Language
 from geomtorsion.errors import ArgumentError
 from geomtorsion.teaching.exercises.exercise import LEVELS
 from geomtorsion.teaching.exercises.registry import chapters, levels_of, titles
-from geomtorsion.teaching.texts import ENGLISH, language_name
+from geomtorsion.teaching.texts import ENGLISH, language_name, texts
 
 
 class ExerciseCommands(LazyGroup):
@@ -79,4 +79,5 @@ def overview(
             if number.startswith(f"{group}."):
                 mark = "" if level == "exercise" else f"  ({levels[level]})"
                 typer.echo(f"  {number}  {named[number]}{mark}")
-    typer.echo("\n`geomtorsion exercises show 1.1` shows one of them.")
+    text = texts("sheets", "command", language_name(language))
+    typer.echo("\n" + text("list", command="`geomtorsion exercises show 1.1`"))

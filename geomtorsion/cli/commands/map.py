@@ -125,17 +125,17 @@ def map(
       geomtorsion map field.zarr --steps 0.5,0.5 --unit um --workers 2 -o field-map
     """
     reading = Reading(
-        sigma,
-        threshold,
-        order,
-        tuple(laue or ()),
-        slip,
-        pixel,
-        spots,
-        resolution,
-        missing or (),
-        columns,
-        slice,
+        sigma=sigma,
+        threshold=threshold,
+        order=order,
+        laue=tuple(laue or ()),
+        slip=slip,
+        pixel=pixel,
+        spots=spots,
+        resolution=resolution,
+        missing=missing or (),
+        columns=columns,
+        slice=slice,
     )
     path = Path(source)
     if blocks is not None or resume or is_array(path):

@@ -12,8 +12,10 @@ from geomtorsion.cli.results import show_result, write_result
 from geomtorsion.cli.terminal import working
 from geomtorsion.cli.theories import (
     ConstantsOption,
+    Couplings,
     InvariantOption,
     LagrangianOption,
+    ScalarNames,
     invariants_of,
     theory_of,
 )
@@ -37,17 +39,14 @@ def post_newtonian(
     ] = None,
     constants: ConstantsOption = "",
     invariant: InvariantOption = None,
-    scalars: Annotated[str, option(metavar="NAMES", text='Scalar fields, such as "phi chi".')] = "",
+    scalars: ScalarNames = "",
     far: Annotated[
         list[str] | None,
         option(
             "--far", metavar="NAME=VALUE", text="Value of a scalar field far away. May be repeated."
         ),
     ] = None,
-    values: Annotated[
-        list[str] | None,
-        option("--set", metavar="NAME=VALUE", text="Value of a coupling. May be repeated."),
-    ] = None,
+    values: Couplings = None,
     form: Annotated[
         Form, typer.Option("--format", help="text to read, json for programs.")
     ] = Form.text,

@@ -12,8 +12,10 @@ from geomtorsion.cli.results import show_result, write_result
 from geomtorsion.cli.terminal import working
 from geomtorsion.cli.theories import (
     ConstantsOption,
+    Couplings,
     InvariantOption,
     LagrangianOption,
+    ScalarNames,
     invariants_of,
     theory_of,
 )
@@ -37,14 +39,11 @@ def spectrum(
     ] = None,
     constants: ConstantsOption = "",
     invariant: InvariantOption = None,
-    scalars: Annotated[str, option(metavar="NAMES", text='Scalar fields, such as "phi chi".')] = "",
+    scalars: ScalarNames = "",
     vectors: Annotated[
         int, typer.Option(metavar="N", help="How many vector fields A, with F2 and A_a.")
     ] = 0,
-    values: Annotated[
-        list[str] | None,
-        option("--set", metavar="NAME=VALUE", text="Value of a coupling. May be repeated."),
-    ] = None,
+    values: Couplings = None,
     form: Annotated[
         Form, typer.Option("--format", help="text to read, json for programs.")
     ] = Form.text,

@@ -77,18 +77,8 @@ def trial(
     }
     field = NumericField(setting.coordinates, series, variables)
     if isinstance(near, Frame) and setting.kind.coframe:
-        n = setting.dimension
-        every = [(i, mu) for i in range(n) for mu in range(n)]
-        rows = field.evaluated([near.coframe.element(*place) for place in every])
-        for place, value in zip(every, rows, strict=True):
-            if place in setting.kind.coframe:
-                fields[setting.kind.coframe.index(place)] = field.as_array(value).value
-            elif value.fraction != 0:
-                raise GravityError(
-                    f"near: expected a coframe with zeros above its diagonal, got "
-                    f"{near.coframe[place]} in row {place[0]}, column {place[1]}. Rotate the legs, "
-                    "or use the geometry teleparallel."
-                )
+        rows = _coframe_rows(near, field, setting)
+        fields[: len(rows)] = rows
     first = len(setting.kind.coframe) + len(setting.kind.turning)
     names = {x.name: x for x in setting.coordinates}
 
@@ -101,6 +91,22 @@ def trial(
             expression = checks.expression(formula, where, GravityError, read=read)
             fields[first + k] = field.as_array(field.read(expression, where)).value
     return fields
+
+
+def _coframe_rows(near: Frame, field: NumericField, setting: Setting) -> list[np.ndarray]:
+    """Coefficients of the components of a coframe that are unknown; the others vanish."""
+    legs = range(setting.dimension)
+    every: list[tuple[int, ...]] = [(i, mu) for i in legs for mu in legs]
+    values = field.evaluated([near.coframe.element(*place) for place in every])
+    table = dict(zip(every, values, strict=True))
+    for place, value in table.items():
+        if place not in setting.kind.coframe and value.fraction != 0:
+            raise GravityError(
+                f"near: expected a coframe with zeros above its diagonal, got "
+                f"{near.coframe[place]} in row {place[0]}, column {place[1]}. Rotate the legs, "
+                "or use the geometry teleparallel."
+            )
+    return [field.as_array(table[place]).value for place in setting.kind.coframe]
 
 
 def moved(fields: np.ndarray, series: PowerSeries, setting: Setting, seed: int) -> np.ndarray:

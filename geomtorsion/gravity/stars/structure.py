@@ -141,9 +141,10 @@ def _frame() -> Frame:
 def _is_general(source: FieldEquations) -> bool:
     """Whether field equations are the ones of general relativity for the static metric here."""
     scalars = {"levi-civita": sp.Symbol("R"), "cartan": -sp.Symbol("T")}
-    if len(source.connections) > 1 or len(source.matter) > 1:
+    kinds = [one.kind for one in source.connections]
+    if len(kinds) > 1 or len(source.matter) > 1:
         return False
-    scalar = scalars.get(source.connections[0].kind)
+    scalar = scalars.get(kinds[0])
     own, other = (x.metric.to_sympy() for x in (source.frame, _frame()))
     return scalar is not None and source.expression == scalar / (16 * sp.pi) and own == other
 

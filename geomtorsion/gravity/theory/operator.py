@@ -216,43 +216,43 @@ def _variations(
     equations: Sources, ground: Frame, functions: tuple[AppliedUndef, ...]
 ) -> Iterator[tuple[dict[tuple[int, Orders], Element], Element]]:
     """Pairs: how fast a component moves with each field, and the density that multiplies it."""
-    frame, n = equations.frame, range(ground.dimension)
     volume = ground.determinant.element()
     legs = ground.legs.components.get
-    coframe = frame.coframe
-
-    def first(element: Element) -> Element:
-        assert isinstance(element, Truncated)
-        return element.parts[1]
 
     def density(tensor: Tensor, mu: int, rest: tuple[int, ...], slot: int) -> Element:
         """e E_n^mu X^n at first order: legs to coordinates in one slot."""
+        if not tensor.slots:
+            return volume * tensor.order(1).element()
         get = tensor.order(1).components.get
-        indices = ((k, (*rest[:slot], k, *rest[slot:])) for k in n)
+        indices = ((k, (*rest[:slot], k, *rest[slot:])) for k in range(ground.dimension))
         return ground.field.sum([(1, volume, legs((mu, k)), get(index)) for k, index in indices])
 
-    for i, mu in product(n, repeat=2):
-        moves = _taken_apart(ground, first(coframe.element(i, mu)), functions)
+    for element, tensor, mu, rest, slot in _varied(equations):
+        assert isinstance(element, Truncated)
+        moves = _taken_apart(ground, element.parts[1], functions)
         if moves:
-            yield moves, density(equations.coframe_equation, mu, (i,), 1)
+            yield moves, density(tensor, mu, rest, slot)
+
+
+def _varied(
+    equations: Sources,
+) -> Iterator[tuple[Element, Tensor, int, tuple[int, ...], int]]:
+    """Components of coframe, connections and matter fields, each with its equation.
+
+    Then follow the index of the coordinate, the other indices, and the slot of the first one.
+    """
+    frame, n = equations.frame, range(equations.frame.dimension)
+    for i, mu in product(n, repeat=2):
+        yield frame.coframe.element(i, mu), equations.coframe_equation, mu, (i,), 1
     for connection, C in zip(equations.connections, equations.connection_equations, strict=True):
-        if connection.kind in ("levi-civita", "cartan"):
-            continue
-        spin = connection.spin_connection
-        for mu, i, j in product(n, repeat=3):
-            moves = _taken_apart(ground, first(spin.element(mu, i, j)), functions)
-            if moves:
-                yield moves, density(C, mu, (i, j), 0)
+        if connection.kind not in ("levi-civita", "cartan"):
+            for mu, i, j in product(n, repeat=3):
+                yield connection.spin_connection.element(mu, i, j), C, mu, (i, j), 0
     for one in equations.matter:
-        if not isinstance(one, MatterField):
-            continue
-        tensor = equations.matter_equations[one.symbol]
-        for mu, element in enumerate(one.elements(frame)):
-            moves = _taken_apart(ground, first(element), functions)
-            if moves and tensor.slots:
-                yield moves, density(tensor, mu, (), 0)
-            elif moves:
-                yield moves, volume * tensor.order(1).element()
+        if isinstance(one, MatterField):
+            tensor = equations.matter_equations[one.symbol]
+            for mu, element in enumerate(one.elements(frame)):
+                yield element, tensor, mu, (), 0
 
 
 def _taken_apart(

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field
 from itertools import combinations_with_replacement
 
@@ -16,6 +16,7 @@ from geomtorsion.gravity.theory.content import Content
 from geomtorsion.gravity.theory.lagrangian import Reading
 from geomtorsion.gravity.theory.products import HESSIAN
 from geomtorsion.gravity.theory.variation import Variation
+from geomtorsion.support.caching import cached_property
 
 
 @dataclass(frozen=True, eq=False)
@@ -87,6 +88,43 @@ def _order(content: Content, name: str) -> int:
     return int(any(x.name == "T" or x.name.startswith(HESSIAN) for x in factors))
 
 
+@dataclass(frozen=True, eq=False)
+class _Weighted:
+    """Tensors of an invariant in E that multiply its weight and the derivatives of the weight.
+
+    The equations are linear in the weight: its derivatives are read off from products of
+    coordinates as weights.
+    """
+
+    content: Content
+    name: str
+    one: Element
+    coordinates: Sequence[Element]
+
+    def _of(self, weight: Element) -> Tensor:
+        return Variation(self.content, {self.name: weight}).coframe
+
+    def _times(self, tensor: Tensor, value: Element) -> Tensor:
+        return tensor * self.content.catalogue.frame.scalar(lambda: value)
+
+    @cached_property
+    def base(self) -> Tensor:
+        """The tensor that multiplies the weight."""
+        return self._of(self.one)
+
+    @cached_property
+    def first(self) -> list[Tensor]:
+        """The tensors that multiply the first derivatives of the weight."""
+        return [self._of(x) - self._times(self.base, x) for x in self.coordinates]
+
+    def second(self, k: int, m: int) -> Tensor:
+        """The tensor that multiplies a second derivative of the weight, k <= m."""
+        x, y = self.coordinates[k], self.coordinates[m]
+        whole = self._of(x * y) - self._times(self.base, x * y)
+        whole = whole - self._times(self.first[m], x) - self._times(self.first[k], y)
+        return whole / 2 if k == m else whole
+
+
 def terms_of(reading: Reading, content: Content) -> dict[sp.Expr, Tensor]:
     """Products of unknown functions and of derivatives of invariants -> their tensors in E."""
     frame = content.catalogue.frame
@@ -94,46 +132,27 @@ def terms_of(reading: Reading, content: Content) -> dict[sp.Expr, Tensor]:
     chain = Chain(reading, coordinates)
     sums: dict[sp.Expr, Tensor] = {}
 
-    def contribution(name: str, weight: Element) -> Tensor:
-        return Variation(content, {name: weight}).coframe
-
     def add(expression: sp.Expr, tensor: Tensor) -> None:
         for coefficient, unknown in chain.split(expression):
             value = frame.scalar(lambda c=coefficient: reading.element(c))
             share = tensor * value
             sums[unknown] = sums[unknown] + share if unknown in sums else share
 
-    (one, *elements) = frame.read([("weight", x) for x in (sp.S.One, *coordinates)])
+    one, *elements = frame.read([("weight", x) for x in (sp.S.One, *coordinates)])
     add(reading.expression, Tensor(frame, "DU", {(k, k): 1 for k in range(frame.dimension)}))
     for symbol, name in reading.symbols.items():
-        order = _order(content, name)
         weight = reading.expression.diff(symbol)
         if weight == 0:
             continue
-        base = contribution(name, one)
-        add(weight, base)
+        own = _Weighted(content, name, one, elements)
+        add(weight, own.base)
+        order = _order(content, name)
         slopes = [chain.slope(weight, k) for k in range(len(coordinates))]
-        # The equations are linear in the weight: its derivatives are read off from products of
-        # coordinates as weights.
-        first: dict[int, Tensor] = {}
-        for k, x in enumerate(elements):
-            if order > 0 and any(slope != 0 for slope in slopes):
-                first[k] = contribution(name, x) - base * frame.scalar(lambda x=x: x)
-                if slopes[k] != 0:
-                    add(slopes[k], first[k])
-        for k, m in combinations_with_replacement(range(len(coordinates)), 2):
-            if order < 2 or slopes[k] == 0:
-                continue
-            second = chain.slope(slopes[k], m)
-            if second == 0:
-                continue
-            x, y = elements[k], elements[m]
-            whole = contribution(name, x * y) - base * frame.scalar(lambda x=x, y=y: x * y)
-            whole = whole - first[m] * frame.scalar(lambda x=x: x)
-            whole = whole - first[k] * frame.scalar(lambda y=y: y)
-            add(second, whole / 2 if k == m else whole)
-    result: dict[sp.Expr, Tensor] = {}
-    for unknown, tensor in sums.items():
-        if tensor.is_zero is not True:
-            result[chain.named(unknown)] = tensor
-    return result
+        for k, slope in enumerate(slopes if order > 0 else ()):
+            if slope != 0:
+                add(slope, own.first[k])
+        for k, m in combinations_with_replacement(range(len(slopes)), 2) if order > 1 else ():
+            second = sp.S.Zero if slopes[k] == 0 else chain.slope(slopes[k], m)
+            if second != 0:
+                add(second, own.second(k, m))
+    return {chain.named(x): tensor for x, tensor in sums.items() if tensor.is_zero is not True}

@@ -1,4 +1,7 @@
-"""Crystals: from atoms to dislocation lines."""
+"""Crystals: from atoms to dislocation lines.
+
+LATTICES: the known lattices by name, such as "fcc".
+"""
 
 from geomtorsion.materials.crystals.atom_circuits import AtomCircuit
 from geomtorsion.materials.crystals.crystal import Crystal

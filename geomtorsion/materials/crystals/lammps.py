@@ -160,31 +160,41 @@ def dump_frame(name: str, line: int, rows: list[str], where: str) -> AtomData:
     columns = rows[start].split()[2:]
     lines = range(line + start + 1, line + len(rows))
     origin, edges, periodic = _box(name, line + marks["BOX"], rows[marks["BOX"] : start])
-    choices = [one for one in _PLACES if set(one[0].split()) <= set(columns)]
-    if not choices:
-        raise FileFormatError(
-            f"{name}: line {line + start}: expected columns x y z (or xu, xs, xsu ...), got "
-            f"{cut(' '.join(columns)) or 'none'}. Write the dump with them: dump 1 all custom 100 "
-            "a.dump id type x y z."
-        )
-    axes, scaled = choices[0]
+    axes, scaled = _position_columns(name, line + start, columns)
     kind = next((columns.index(x) for x in _KINDS if x in columns), None)
     numeric = [*axes.split(), *(["id"] if "id" in columns else [])]
     indices = [columns.index(x) for x in numeric]
     body = rows[start + 1 :]
     kinds = () if kind is None else (kind,)
     table, words = number_table(name, lines, body, len(columns), indices, kinds)
-    if words and body and finite_number(words[0][0]) is not None:
-        # Where types are numbers, a word among them is a damaged row.
-        wrong = {word for word in set(words[0]) if finite_number(word) is None}
-        if wrong:
-            k = next(k for k, word in enumerate(words[0]) if word in wrong)
-            refuse_row(name, lines[k], body[k], len(columns), kinds)
+    odd = _odd_type(words[0]) if words and body else None
+    if odd is not None:
+        refuse_row(name, lines[odd], body[odd], len(columns), kinds)
     values = table[:, :3]
     positions = origin + values @ edges if scaled else values
     order = np.argsort(table[:, 3], kind="stable") if "id" in columns else np.arange(len(body))
     species = tuple(words[0][k] for k in order.tolist()) if words else None
     return AtomData(positions[order], completed(where, edges), periodic, species, where)
+
+
+def _position_columns(name: str, line: int, columns: Sequence[str]) -> tuple[str, bool]:
+    """The best columns of positions, and whether they are shares of the cell."""
+    for axes, scaled in _PLACES:
+        if set(axes.split()) <= set(columns):
+            return axes, scaled
+    raise FileFormatError(
+        f"{name}: line {line}: expected columns x y z (or xu, xs, xsu ...), got "
+        f"{cut(' '.join(columns)) or 'none'}. Write the dump with them: dump 1 all custom 100 "
+        "a.dump id type x y z."
+    )
+
+
+def _odd_type(types: Sequence[str]) -> int | None:
+    """The first row with a word where the types are numbers: a damaged row."""
+    if finite_number(types[0]) is None:
+        return None
+    words = {word for word in set(types) if finite_number(word) is None}
+    return next(k for k, word in enumerate(types) if word in words) if words else None
 
 
 def _box(

@@ -205,7 +205,7 @@ def _at_surface(
     for number, way in enumerate(ways):
         left = np.flatnonzero(~mask & (missing[:, number - 1] if number else True))
         out = way[left] / np.maximum(np.linalg.norm(way[left], axis=1), 1e-300)[:, None]
-        # In the cell, since outside of it images extend only as far as neighbours do.
+        # In the cell, since outside it images extend only as far as neighbours do.
         centres, _ = cell.wrapped(places[atoms[left]] + radius * out)
         distances, _ = tree.query(centres)
         # The atom itself touches the sphere; others may be slightly inside at an uneven surface.

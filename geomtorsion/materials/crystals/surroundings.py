@@ -80,7 +80,7 @@ class Places:
         return Surroundings(points, numbers, distance, not self.cell.periodic.any())
 
     def within(self, distance: float) -> Surroundings:
-        """All atoms, with images at least as far as a distance outside of the cell.
+        """All atoms, with images at least as far as a distance outside the cell.
 
         They are those within reach, or newly made ones, so that the result does not depend on
         earlier calls.

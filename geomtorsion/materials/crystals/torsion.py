@@ -76,7 +76,7 @@ class Torsion:
         """The same torsion on the shortest lines, up to parts that close on the surfaces of cores.
 
         Cores are first the torn or doubtful tetrahedra; then all tetrahedra with an atom in common
-        with the remaining torsion. A ring that no circuit outside of its own atoms detects is a
+        with the remaining torsion. A ring that no circuit outside its own atoms detects is a
         point defect.
         """
         if not self.torn.any():
@@ -105,7 +105,7 @@ class Torsion:
 
     @property
     def lengths(self) -> Lengths:
-        """Lengths of lines through faces."""
+        """Lengths of the lines from cell to cell through each face."""
         rows, sides, images = self.mesh.faces
         a, b = sides.T
         steps = self.mesh.centres[b] - self.mesh.centres[a] + self.mesh.cell.shifts(images)

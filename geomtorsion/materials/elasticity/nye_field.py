@@ -286,7 +286,7 @@ def checked_sigma(given: object, shape: tuple[int, ...]) -> np.ndarray:
 
 
 def balance_text(mean: np.ndarray, unit: str) -> str:
-    """What `balanced` has done."""
+    """Report of `balanced` in words."""
     over = f" per {unit}" if unit else ""
     return (
         f"The mean Nye tensor, at most {np.abs(mean).max():.3g}{over}, is spread over the cell "

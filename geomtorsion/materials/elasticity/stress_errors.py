@@ -1,4 +1,4 @@
-"""Errors of stresses: noise of the data, their grid, and the unknown crystal outside of a map."""
+"""Errors of stresses: noise of the data, their grid, and the unknown crystal outside a map."""
 
 from __future__ import annotations
 
@@ -27,8 +27,8 @@ class StressErrors:
 
     noise: standard deviation from the noise of the data, zero where the noise is not known.
     grid: error of the differences on the grid, without the share of the noise.
-    outside: error from the unknown crystal outside of a map, for a perfect crystal there.
-    At nodes outside of a map all three are NaN, because nothing was measured there.
+    outside: error from the unknown crystal outside a map, for a perfect crystal there.
+    At nodes outside a map all three are NaN, because nothing was measured there.
     """
 
     noise: np.ndarray

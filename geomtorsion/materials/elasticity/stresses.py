@@ -223,7 +223,7 @@ class Stresses:
         Returns
         -------
         Two arrays of shape (pieces, 3), in the order of `network.arrays`; stress times length. The
-        errors contain noise, grid and outside as `errors`, and are NaN outside of a map.
+        errors contain noise, grid and outside as `errors`, and are NaN outside a map.
 
         Raises
         ------
@@ -295,7 +295,7 @@ class Stresses:
         mean square over random fields with the covariance of the data, from a fixed seed. grid:
         differences of another order, or the stress of waves shorter than four steps. outside: the
         crystal around a map is unknown. It is taken as perfect; the change with the width of
-        `NyeField.padded` estimates the error, but dislocations outside of the map are not in it.
+        `NyeField.padded` estimates the error, but dislocations outside the map are not in it.
 
         For lines it is the stress that a grid with three halves of the nodes adds. The errors of
         the elastic model and of the core are not included.
@@ -315,7 +315,7 @@ class Stresses:
         return self._spread.at_nodes(self.constants)
 
     def errors_at(self, points: Sequence[Sequence[float]] | np.ndarray) -> StressErrors:
-        """Errors of `at(points)`, shape (3, 3, points); NaN outside of a map."""
+        """Errors of `at(points)`, shape (3, 3, points); NaN outside a map."""
         places = checks.array(points, "points", GridError, shape=(None, 3))
         checks.measured(places, "points", GridError)
         if self._spread is None:

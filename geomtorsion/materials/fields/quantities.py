@@ -107,7 +107,7 @@ def quantities(names: Names) -> dict[str, int]:
 
 
 def form_of(keys: Mapping[str, int]) -> str | None:
-    """What columns hold: displacement, coframe, distortion or strain; None for no field."""
+    """Quantity in the columns: displacement, coframe, distortion or strain; None for others."""
     if sum(axis in keys for axis in "xyz") < 2:
         return None
     if sum(component in keys for component in "uvw") >= 2:

@@ -296,7 +296,7 @@ class DislocationNetwork:
         return tuple(node for node, degree in self.graph.degree if degree > 2)
 
     def excess(self, node: Hashable) -> Vector:
-        """Sum of b of the lines that leave a node minus those that arrive.
+        """Sum of b over the lines that leave a node minus the sum over the lines that arrive.
 
         Raises
         ------
@@ -401,7 +401,7 @@ class DislocationNetwork:
         Raises
         ------
         NetworkError
-            There is no box, or nodes have no positions.
+            The network has no box, or nodes have no positions.
         """
         return float(self._per_volume(self.arrays.lengths.sum()))
 
@@ -412,7 +412,7 @@ class DislocationNetwork:
         Raises
         ------
         NetworkError
-            There is no box, or nodes have no positions.
+            The network has no box, or nodes have no positions.
         """
         return self._per_volume(self.arrays.burgers.T @ self.arrays.steps)
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Hashable, Mapping, Sequence
+from collections.abc import Hashable, Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from itertools import pairwise
 from typing import TYPE_CHECKING, Any
@@ -289,22 +289,10 @@ def line_arrays(graph: nx.MultiDiGraph[Hashable], box: Box | None) -> tuple[Line
     NetworkError
         A node has no position in three dimensions, or there are images, but no box.
     """
-    nodes = graph.nodes(data=True)
-    for node, data in nodes:
-        if data.get("position") is None:
-            raise NetworkError(
-                f"node {checks.shown(node)}: expected a position, got none. Give one for each "
-                "node: of_lines(..., positions={node: (x, y, z)})."
-            )
+    nodes, edges = graph.nodes(data=True), list(graph.edges(data=True))
+    _check_nodes(nodes, edges)
     numbers = {node: k for k, node in enumerate(graph)}
-    edges = list(graph.edges(data=True))
-    known = ["image" in data for *_, data in edges]
-    if any(known) and not all(known):
-        a, b, _ = edges[known.index(False)]
-        raise NetworkError(
-            f"line {a!r} -> {b!r}: expected an image as for other lines, got none. Give each line "
-            "an image, or none of them."
-        )
+    has_images = bool(edges) and "image" in edges[0][2]
     positions: list[Any] = [data["position"] for _, data in nodes]
     pairs, owner, images = [], [], []
     for k, (a, b, data) in enumerate(edges):
@@ -313,7 +301,7 @@ def line_arrays(graph: nx.MultiDiGraph[Hashable], box: Box | None) -> tuple[Line
         positions += inner
         pairs += list(pairwise(chain))
         owner += [k] * (len(chain) - 1)
-        if any(known):
+        if has_images:
             # Inner points are unwrapped: only the last piece leads into another image.
             images += [(0, 0, 0)] * len(inner) + [data["image"]]
     planes = [edges[k][2].get("plane") for k in owner]
@@ -330,3 +318,20 @@ def line_arrays(graph: nx.MultiDiGraph[Hashable], box: Box | None) -> tuple[Line
         "planes": None if None in planes or not planes else planes,
     }
     return LineArrays(box=box, labels=labels, **columns), owner
+
+
+def _check_nodes(nodes: Iterable[Any], edges: Sequence[Any]) -> None:
+    """Refuse nodes without a position, and images of some lines only."""
+    for node, data in nodes:
+        if data.get("position") is None:
+            raise NetworkError(
+                f"node {checks.shown(node)}: expected a position, got none. Give one for each "
+                "node: of_lines(..., positions={node: (x, y, z)})."
+            )
+    known = ["image" in data for *_, data in edges]
+    if any(known) and not all(known):
+        a, b, _ = edges[known.index(False)]
+        raise NetworkError(
+            f"line {a!r} -> {b!r}: expected an image as for other lines, got none. Give each line "
+            "an image, or none of them."
+        )

@@ -79,7 +79,7 @@ def opendis_of_arrays(lines: LineArrays) -> dict[str, dict[str, np.ndarray]]:
     Raises
     ------
     NetworkError
-        There is no box.
+        The network has no box.
     """
     if lines.box is None:
         raise NetworkError(

@@ -294,8 +294,8 @@ def paradis_text(lines: LineArrays) -> str:
     Raises
     ------
     NetworkError
-        There is no box along the coordinates, b has not three components, or a line is longer
-        than half a period, which a reader of the file could not distinguish from a shorter one.
+        The network has no box along the coordinates, b has not three components, or a line is
+        longer than half a period: a reader of the file cannot distinguish it from a shorter one.
     """
     box = lines.box
     if box is None or np.count_nonzero(box.vectors - np.diag(np.diag(box.vectors))):

@@ -16,7 +16,7 @@ from geomtorsion.support.caching import cached_property
 
 @dataclass(frozen=True, eq=False)
 class Polyline:
-    """A dislocation line through nodes in which nothing else happens.
+    """A dislocation line through nodes without junctions.
 
     nodes: their names, in the sense of the line. points: their positions, shape (k, 3), each in
         the image in which the line reaches it.

@@ -1,4 +1,7 @@
-"""Orientations: maps of measured crystal orientations, and Burgers vectors of circuits in them."""
+"""Orientations: maps of measured crystal orientations, and Burgers vectors of circuits in them.
+
+LAUE_GROUPS: names of the eleven Laue groups, as "m-3m", for the argument `laue`.
+"""
 
 from geomtorsion.materials.maps.curvature import Curvature
 from geomtorsion.materials.maps.orientation_map import OrientationMap

@@ -39,6 +39,7 @@ class Layout:
 LAYOUTS = (
     Layout("Oxford", "x cells", ANGLES["rad"], horizontal="y"),
     Layout("EMsoft", "dictionaryeulerangles", ANGLES["rad"], has_y=False),
+    Layout("EMSphInx", "emsphinx", ANGLES["rad"], has_y=False),
     Layout("EMsoft", "emsoft", ANGLES["rad"], has_y=False),
     Layout("EMsoft", "emebsd", ANGLES["rad"], has_y=False),
     Layout("EDAX", "edax", ANGLES["rad"]),
@@ -58,8 +59,8 @@ QUANTITIES = {
     "phi2": ("phi2", "euler3", "eulerphi2", "eulerangle3"),
     "dictionary": ("dictionaryeulerangles",),
     "matches": ("topmatchindices",),
-    "x": ("x", "xsample", "xposition", "xpos"),
-    "y": ("y", "ysample", "yposition", "ypos"),
+    "x": ("x", "xsample", "xposition", "xpos", "xbeam"),
+    "y": ("y", "ysample", "yposition", "ypos", "ybeam"),
     "z": ("z",),
     "phase": ("phase", "phaseid", "phases", "phasedata", "phaseindex"),
     "inside": ("isindata",),
@@ -118,7 +119,7 @@ def layout_of(file: Item, group: Item) -> Layout:
     """The layout of the program that wrote a file."""
     makers = [text_of(file[key]) for key in file if plain(key) == "manufacturer"]
     makers += [str(value) for key, value in file.attrs.items() if plain(key) == "manufacturer"]
-    around = {last(one.name) for one in data_sets(group.parent, 3)}
+    around = {last(one.name) for place in _near(group) for one in data_sets(place, 3)}
     for layout in LAYOUTS:
         if plain(layout.maker) in around or any(layout.maker in text.lower() for text in makers):
             return layout
@@ -134,15 +135,25 @@ def text_of(item: Item) -> str:
 
 def header_of(group: Item) -> dict[str, Any]:
     """Numbers and texts about the grid of a map, by quantity."""
-    places = [group.parent[key] for key in group.parent if plain(key) == "header"] + [group.parent]
     found: dict[str, Any] = {}
-    for place in places:
-        for key, item in place.items():
-            for quantity, names in HEADER.items():
-                if plain(key) in names and is_data_set(item) and item.size == 1:
-                    found.setdefault(quantity, np.ravel(item[()])[0])
+    for near in _near(group):
+        for place in [near[key] for key in near if plain(key) == "header"] + [near]:
+            for key, item in place.items():
+                for quantity, names in HEADER.items():
+                    if plain(key) in names and is_data_set(item) and item.size == 1:
+                        found.setdefault(quantity, np.ravel(item[()])[0])
     shape = _geometry(group)
     return found | shape
+
+
+def _near(group: Item) -> list[Item]:
+    """The groups whose header describes a map: its own, then those beside it.
+
+    Data that Oxford's programs processed have the grid in the header of the measured map.
+    """
+    own = group.parent
+    beside = [own.parent[key] for key in own.parent if plain(key) == "ebsd"]
+    return [own, *(one for one in beside if is_group(one) and one.name != own.name)]
 
 
 def _geometry(group: Item) -> dict[str, Any]:
@@ -230,6 +241,8 @@ def _laue(items: dict[str, Item]) -> str | None:
             text = text_of(items[key])
             if re.fullmatch(r"\d{1,3}(\.0)?", text) and 1 <= float(text) <= 230:
                 return next(laue for most, laue in _SPACE_GROUPS if float(text) <= most)
+            if (laue := _of_symbol(text)) is not None:
+                return laue
     for key in ("pointgroup", "symmetry", "lgsymid"):
         if key in items:
             text = text_of(items[key]).removesuffix(".0")
@@ -241,6 +254,22 @@ def _laue(items: dict[str, Item]) -> str | None:
             if laue is not None:
                 return laue
     return None
+
+
+def _of_symbol(text: str) -> str | None:
+    """Laue group of the symbol of a space group, such as Fm-3m, P 63/m m c or P 6#sub3/mmc.
+
+    Bruker writes #ovl for a bar and #sub for the number of a screw axis.
+    """
+    symbol = re.sub(r"#sub\d|_\d|\(.*\)|\s*:?[HRS]$", "", text).replace("#ovl", "-").strip()
+    # Directions behind the letter of the centring; glides count as mirrors.
+    axes = [re.sub("[abcden]", "m", one) for one in re.sub(r"^[PIFABCR]", "", symbol).split()]
+    # "- 3" is "-3", and an axis without symmetry, as in P 1 2/m 1, has no part in the group.
+    joined = "".join(axes)
+    screws = [re.sub(r"^([2346])[1-5](?!\d)", r"\1", one) for one in axes if one != "1"]
+    compact = re.sub(r"(?<!-)([2346])[1-5](?=$|[/m23])", r"\1", joined)
+    return next((_BY_POINT_GROUP[x] for x in (joined, "".join(screws), compact)
+                 if x in _BY_POINT_GROUP), None)  # fmt: skip
 
 
 def _ensembles(group: Item) -> Iterator[Described]:

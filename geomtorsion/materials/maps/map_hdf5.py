@@ -380,7 +380,7 @@ def _places(
             "the unit in the program and save the map again, or export it as .ctf or .ang."
         )
     factor = UNITS[unit] / UNITS["um"]
-    declared = None
+    declared, rows, columns = None, 0, 0
     is_hexagonal = _decoded(header.get("grid", "")).lower().startswith("hex")
     if {"rows", "columns", "dx", "dy"} <= set(header) and not is_hexagonal:
         rows, columns = int(header["rows"]), int(header["columns"])
@@ -395,6 +395,9 @@ def _places(
     if layout.has_y and {"x", "y"} <= set(values.scan.sets):
         x, y = (factor * values.column(key) for key in "xy")
         if len(x) == len(y) == count:
+            # EDAX and Bruker may store numbers of pixels.
+            if declared is not None and _counts(x, columns) and _counts(y, rows):
+                x, y = declared.steps[0] * x, declared.steps[1] * y
             return x, y, declared
     if declared is None:
         raise FileFormatError(
@@ -403,6 +406,11 @@ def _places(
         )
     row, across = np.divmod(np.arange(count), int(declared.counts[0]))
     return declared.steps[0] * across, declared.steps[1] * row, declared
+
+
+def _counts(places: np.ndarray, count: int) -> bool:
+    """Whether places are the numbers of pixels from 0 to count - 1, each of them."""
+    return count > 1 and np.array_equal(np.unique(places), np.arange(count))
 
 
 def _decoded(value: Any) -> str:

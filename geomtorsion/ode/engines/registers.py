@@ -62,7 +62,7 @@ def run_in_registers(
     width: int,
     max_steps: int,
 ) -> None:
-    """Fill in states of members that come to the end, which those are, and their steps.
+    """Fill in the states at the end, which members reach it, and their steps.
 
     integrator: heyoka's, for batches of `width`; choose: sets the numbers of some members in it.
     max_steps: of one run.

@@ -27,7 +27,7 @@ STACKED = 6144
 
 
 def run_stacked(batch: Batch, tolerance: float, most: int) -> None:
-    """Fill in states of members that come to the end, which those are, and their steps.
+    """Fill in the states at the end, which members reach it, and their steps.
 
     most: evaluations of the rates of one system; one that needs more has no members at the end.
     """

@@ -40,7 +40,7 @@ NEAR_END = LEAST_ULPS**2
 
 
 class Polynomial:
-    """Dense output of one step, of order 7; three more stages are worked out on first use.
+    """Dense output of one step, of order 7; three more stages are computed on first use.
 
     rows: makes the coefficients of a step.
     parts: the length of the step, states and rates before and after, all stages.
@@ -172,7 +172,7 @@ class Steps:
         return max(min(100 * guess, second, self.duration, self._longest(self.time)), least)
 
     def advance(self) -> Polynomial | None:
-        """One accepted step; None where none is: see `stuck`."""
+        """One accepted step; None if no step is possible, see `stuck`."""
         rejected = False
         while True:
             size = min(self._size, self._longest(self.time))

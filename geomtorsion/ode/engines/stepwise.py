@@ -88,7 +88,7 @@ def paced_dop853() -> Any:
 
 
 class Piece:
-    """Dense output of one step, worked out on first use: before the next step."""
+    """Dense output of one step, computed on first use, which must precede the next step."""
 
     def __init__(self, solver: Any) -> None:
         self.t: float = float(solver.t_old)
@@ -159,7 +159,7 @@ class ScipySteps:
         self._solver.f = np.asarray(self._solver.fun(self._solver.t, self._solver.y))
 
     def advance(self) -> Piece | None:
-        """One accepted step; None where none is: see `stuck`."""
+        """One accepted step; None if no step is possible, see `stuck`."""
         solver = self._solver
         if solver is None:
             return None
@@ -243,7 +243,7 @@ class Edge:
 
 
 class Record:
-    """What steps leave behind: samples, dense output, the longest step, and how the run ended.
+    """Record of a run: samples, dense output, the longest step, and how it ended.
 
     edge: the guard to compare after each step; dense: whether to keep the output of each step.
     """

@@ -138,7 +138,7 @@ def is_available() -> bool:
 
 @lru_cache(maxsize=256)
 def order_of(tolerance: float) -> int:
-    """The order of the series that heyoka takes for a tolerance; it depends on nothing else."""
+    """Order of the series that heyoka chooses, from the tolerance only."""
     return max(2, math.ceil(1 - math.log(tolerance) / 2 - 1e-9))
 
 

@@ -26,10 +26,10 @@ FINEST = 64 * DOUBLE
 
 @runtime_checkable
 class HasEffects(Protocol):
-    """A thing that knows its own effects and times, such as a scene."""
+    """An object with its own effects and times, such as a scene."""
 
     def composite(self, watch: Sequence[str] | None, /) -> Composite:
-        """Its effects, its runs without some of them, and the watched quantities."""
+        """Effects of the object, its runs without some of them, and the watched quantities."""
         ...
 
 

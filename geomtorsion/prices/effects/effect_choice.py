@@ -51,7 +51,7 @@ class Trial:
 
     @cached_property
     def seconds(self) -> float:
-        """Time of the integration, without compiling: the shorter of two runs."""
+        """Time of the integration in seconds, without compiling; the shorter of two runs."""
         return min(self.first, self.again())
 
 
@@ -59,12 +59,12 @@ class Composite(Protocol):
     """Sum of effects: a scene, a motion with forces, a theory with terms.
 
     title: its name. effects: key -> description. watch: names of the watched quantities.
-    thing: what the user gave. end: the last time, in words. accuracy: if none is requested.
+    thing: the scene, motion or theory itself. end: the last time, in words. accuracy: the default.
     """
 
     @property
     def accuracy(self) -> float:
-        """The accuracy if none is requested."""
+        """Default accuracy."""
         ...
 
     @property
@@ -74,7 +74,7 @@ class Composite(Protocol):
 
     @property
     def thing(self) -> Any:
-        """What the user gave."""
+        """The scene, motion or theory itself."""
         ...
 
     @property
@@ -101,11 +101,11 @@ class Composite(Protocol):
         ...
 
     def idle(self, keys: frozenset[str]) -> str:
-        """Why no watched quantity can depend on these effects; empty if one can."""
+        """Why no watched quantity depends on these effects; empty if a quantity may."""
         ...
 
     def needed(self, keys: frozenset[str]) -> str:
-        """Why nothing can be compared without these effects; empty if it can."""
+        """Why these effects cannot be omitted for a comparison; empty if they can."""
         ...
 
     def growth(self, engine: Engine | None) -> Sensitivity | None:
@@ -113,7 +113,7 @@ class Composite(Protocol):
         ...
 
     def nudged(self, part: float) -> Composite:
-        """The same from a start that is moved by a part of its size."""
+        """The same sum of effects from a start changed by a part of its size."""
         ...
 
 

@@ -1,4 +1,7 @@
-"""Effects: forces, torques and constraints of a body, one class each, listed below."""
+"""Effects: forces, torques and constraints of a body, one class each.
+
+EFFECTS: the classes of all effects, in order; `key` of a class is its name in scene files.
+"""
 
 from geomtorsion.scenes.effects.angular_damping import AngularDamping
 from geomtorsion.scenes.effects.custom import Custom

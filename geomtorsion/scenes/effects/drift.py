@@ -13,8 +13,8 @@ from geomtorsion.scenes.effects.protocol import Contribution, Effect
 class Drift(Effect):
     """The centre of mass moves freely by Newton's law: m v' = F in space axes.
 
-    A body without a constraint drifts in any case. If a scene names this effect and also holds
-    the body (pivot, rolling), it is an error.
+    A body without a constraint always has it. A scene with this effect and a constraint on the
+    centre of mass (pivot, rolling, knife edge) is refused.
 
     Equation
     --------

@@ -158,7 +158,7 @@ def unit(text: str) -> dict[str, str]:
 
 
 def groups_in(context: Context, contribution: Contribution) -> frozenset[str]:
-    """Groups of states that occur in a contribution; what it offers to be watched aside."""
+    """Groups of states that occur in a contribution, except in its outputs."""
     symbols = symbols_in(replace(contribution, outputs={}))
     own = {name for name, members in GROUPS.items() if members & symbols}
     # Who has the whole attitude has the vertical with it.

@@ -27,11 +27,11 @@ class Spring(Effect):
     stiffness
         k, N/m.
     length
-        at rest, m. With 0 the force is linear in d; otherwise its direction is lost where d = 0.
+        of the spring at rest, m. If it is not 0, the force has no direction at d = 0.
     anchor
-        where it is fixed in space, m.
+        fixed end in space, shape (3,), m.
     arm
-        from the centre of mass to where it is fixed on the body, body axes, m.
+        from the centre of mass to the end on the body, shape (3,), body axes, m.
 
     Raises
     ------

@@ -162,7 +162,7 @@ def labelled(values: object) -> dict[Any, Any] | None:
 
 
 def table(values: object, subject: str, error: ErrorClass = ArgumentError) -> dict[Any, Any]:
-    """A mapping as a dictionary; nothing for None.
+    """A mapping as a dictionary; empty for None.
 
     Examples
     --------

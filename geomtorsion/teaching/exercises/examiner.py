@@ -9,7 +9,7 @@ from geomtorsion.teaching.exercises.exercise import Exercise
 from geomtorsion.teaching.exercises.registry import Own, load
 from geomtorsion.teaching.exercises.verdict import QuestionVerdict, Verdict
 from geomtorsion.teaching.exercises.worker_pool import EXCEEDED, STARTING, Json, WorkerPool
-from geomtorsion.teaching.texts import ENGLISH, Language
+from geomtorsion.teaching.texts import ENGLISH, Language, texts
 
 # Far more than a right answer takes.
 SECONDS = 10.0
@@ -93,14 +93,13 @@ class Examiner:
 
 def _unchecked(exercise: Exercise, answers: Mapping[str, object], reason: str) -> Verdict:
     """The verdict on answers that could not be checked."""
-    verdicts = []
+    verdicts, text = [], texts("feedback", "checking", exercise.language)
     for question in exercise.questions:
         is_answered = question.name in answers
-        text = f"The answer could not be checked: {reason}"
         code = "too large" if is_answered else "empty"
-        note = text if is_answered else "No answer was given."
+        note = text("unchecked", reason=reason) if is_answered else text("empty")
         verdicts.append(QuestionVerdict(question.name, False, 0.0, note, code, (), question.points))
-    return Verdict(exercise.number, exercise.seed, tuple(verdicts))
+    return Verdict(exercise.number, exercise.seed, tuple(verdicts), (), exercise.language)
 
 
 def reply(request: Json) -> Json:

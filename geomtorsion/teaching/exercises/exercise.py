@@ -17,7 +17,7 @@ from geomtorsion.teaching.exercises.prose import html_of
 from geomtorsion.teaching.exercises.question import Question, how_to_answer
 from geomtorsion.teaching.exercises.verdict import Verdict
 from geomtorsion.teaching.exercises.working import Step
-from geomtorsion.teaching.texts import ENGLISH, TextTable
+from geomtorsion.teaching.texts import ENGLISH, TextTable, texts
 
 # Level -> its name.
 LEVELS = TextTable("sheets", "levels")
@@ -170,7 +170,7 @@ class Exercise:
         """
         by_name, notes = self.arranged(answers)
         verdicts = tuple(check_question(q, by_name.get(q.name)) for q in self.questions)
-        return Verdict(self.number, self.seed, verdicts, notes)
+        return Verdict(self.number, self.seed, verdicts, notes, self.language)
 
     def arranged(self, answers: object) -> tuple[dict[str, object], tuple[str, ...]]:
         """Answers by question, and remarks about the form of the answers.
@@ -187,13 +187,10 @@ class Exercise:
         ({}, ("There is no question 'conection': this answer is not counted. Did you mean...",))
         """
         first, *rest = self.questions
+        text = texts("feedback", "checking", self.language)
         by_name = {question.name: question for question in self.questions}
         if not isinstance(answers, Mapping):
-            names = ", ".join(by_name)
-            note = (
-                f"This exercise has several questions ({names}); the answer counts for the first, "
-                f"{first.name}."
-            )
+            note = text("several", names=", ".join(by_name), first=first.name)
             return {first.name: answers}, (note,) * bool(rest)
         strange = [name for name in answers if name not in by_name]
         if not rest and strange == list(answers) and any(is_part(first, key) for key in strange):
@@ -201,8 +198,6 @@ class Exercise:
         notes = []
         for name in strange:
             near = close_names(str(name), list(by_name))
-            hint = f" Did you mean {near[0]}?" if near else ""
-            notes.append(
-                f"There is no question {str(name)[:60]!r}: this answer is not counted.{hint}"
-            )
+            hint = f" {text('near', name=near[0])}" if near else ""
+            notes.append(text("strange", name=repr(str(name)[:60])) + hint)
         return {name: answers[name] for name in by_name if name in answers}, tuple(notes)

@@ -20,6 +20,7 @@ from geomtorsion.teaching.exercises.equations import equations
 from geomtorsion.teaching.exercises.expressions import expression
 from geomtorsion.teaching.exercises.limits import MOST
 from geomtorsion.teaching.exercises.question import example
+from geomtorsion.teaching.texts import texts
 
 if TYPE_CHECKING:
     from geomtorsion.teaching.exercises.compare import Index, Value
@@ -114,9 +115,9 @@ def numbers(question: Question, given: object, where: str) -> dict[Index, float]
         text, factor = _without_unit(question, given, where)
         comma = re.fullmatch(r"\s*([-+]?[0-9]+),([0-9]+)\s*", str(text)[:100])
         if comma and not question.shape:
+            words = texts("feedback", "checking", question.language)
             raise ExpressionError(
-                f"{where}: expected a number with a decimal point, got {comma[0].strip()}. Write "
-                f"{comma[1]}.{comma[2]}."
+                words("comma", name=where, answer=comma[0].strip(), right=f"{comma[1]}.{comma[2]}")
             )
     if not question.shape:
         return {(): factor * _float(expression(question, text, where), where)}
@@ -158,7 +159,7 @@ def _chosen(question: Question, given: object) -> str:
     text = _SYNONYMS.get(text, text)
     for key, option in question.options.items():
         # The first clause of an explanation is enough, but not less: a "not" may follow.
-        clause = re.split(r"[,(]", option)[0]
+        clause = re.split(r"[,(:]", option)[0]
         if text in (_letters(key), _letters(option), _letters(clause)):
             return key
     near = close_names(text, tuple(question.options))

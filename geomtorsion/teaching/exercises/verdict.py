@@ -10,7 +10,7 @@ from typing import Any
 from geomtorsion.errors import UnknownNameError
 from geomtorsion.support.checks import known_name
 from geomtorsion.teaching.exercises.prose import html_of
-from geomtorsion.teaching.texts import ENGLISH, TextTable
+from geomtorsion.teaching.texts import ENGLISH, Texts, TextTable, texts
 
 # Code -> the mistake in a few words.
 TITLES = TextTable("feedback", "titles")
@@ -18,6 +18,8 @@ TITLES = TextTable("feedback", "titles")
 UNREAD = ("unreadable", "too large")
 # Code -> message to a student, unless the exercise has its own.
 MESSAGES = TextTable("feedback", "messages")
+# State of a verdict -> its name.
+STATES = TextTable("feedback", "states")
 # Sources of a wrong sign or factor 2 in questions about torsion only.
 TORSION = TextTable("feedback", "torsion")
 # Sources of these mistakes in questions about the connection itself.
@@ -92,6 +94,7 @@ class Verdict:
 
     number, seed: which exercise. questions: one verdict each, in order.
     notes: remarks about the answers as a whole, such as names that do not match a question.
+    language: of the words around the answers.
 
     Examples
     --------
@@ -108,6 +111,7 @@ class Verdict:
     seed: int
     questions: tuple[QuestionVerdict, ...]
     notes: tuple[str, ...] = ()
+    language: str = ENGLISH
 
     @property
     def right(self) -> bool:
@@ -144,7 +148,13 @@ class Verdict:
     def points_text(self) -> str:
         """Earned points and all points in words; a range if an answer could not be read."""
         earned, most = f"{self.earned:.3g}", f"{self.at_most:.3g}"
-        return f"{earned if earned == most else f'{earned} to {most}'} of {self.points} points"
+        text = self._text
+        share = earned if earned == most else text("range", low=earned, high=most)
+        return text("points", earned=share, count=self.points)
+
+    @property
+    def _text(self) -> Texts:
+        return texts("feedback", "checking", self.language)
 
     def to_json(self) -> Json:
         """Everything as plain values, ready for json.dumps."""
@@ -157,7 +167,9 @@ class Verdict:
             QuestionVerdict(**{**entry, "also": tuple(entry["also"])})
             for entry in data["questions"]
         ]
-        return cls(data["number"], data["seed"], tuple(questions), tuple(data["notes"]))
+        notes = tuple(data["notes"])
+        language = data.get("language", ENGLISH)
+        return cls(data["number"], data["seed"], tuple(questions), notes, language)
 
     def __getitem__(self, name: str) -> QuestionVerdict:
         """The verdict on the question with this name.
@@ -174,25 +186,29 @@ class Verdict:
         return [question.name for question in self.questions]
 
     def _repr_html_(self) -> str:
+        text, states = self._text, STATES.of(self.language)
         rows = "".join(
-            f"<tr><td>{escape(one.name)}</td><td>{escape(one.state)}</td>"
+            f"<tr><td>{escape(one.name)}</td><td>{escape(states[one.state])}</td>"
             f"<td>{html_of(one.message)}</td><td><code>{escape(one.read_as)}</code></td></tr>"
             for one in self.questions
         )
-        head = "<tr><th>question</th><th>verdict</th><th></th><th>read as</th></tr>"
+        heads = (text("question"), text("verdict"), "", text("read_as"))
+        head = f"<tr>{''.join(f'<th>{escape(one)}</th>' for one in heads)}</tr>"
         notes = "".join(f"<p>{escape(note)}</p>" for note in self.notes)
         points = f"<p>{self.points_text}</p>"
         return f"<div><table>{head}{rows}</table>{points}{notes}</div>"
 
     def __repr__(self) -> str:
-        states = ", ".join(f"{one.name} {one.state}" for one in self.questions)
+        words = STATES.of(self.language)
+        states = ", ".join(f"{one.name} {words[one.state]}" for one in self.questions)
         return f"Verdict(exercise {self.number}: {self.points_text}; {states})"
 
     def __str__(self) -> str:
-        lines = []
+        lines, states = [], STATES.of(self.language)
         for question in self.questions:
             codes = ", ".join(question.codes) if question.state == "wrong" else ""
             code = f" [{codes}]" if codes else ""
-            read = f" Read as: {question.read_as}." if question.read_as else ""
-            lines.append(f"{question.name}: {question.state}{code}. {question.message}{read}")
+            read = f" {self._text('read', answer=question.read_as)}" if question.read_as else ""
+            state = states[question.state]
+            lines.append(f"{question.name}: {state}{code}. {question.message}{read}")
         return "\n".join([*lines, *self.notes])

@@ -61,7 +61,7 @@ def spaces(
     mo: ModuleType, chosen: str, query: Query, key: str, language: str = ENGLISH
 ) -> ui.dropdown:
     """A list of the spaces that can be drawn."""
-    options = drawable()
+    options = drawable(language)
     space = query.one_of(key, list(options.values()), chosen)
     [first] = [title for title, name in options.items() if name == space]
     return mo.ui.dropdown(options, value=first, label=_text(language)("space"))

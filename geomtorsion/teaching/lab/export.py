@@ -20,7 +20,7 @@ from geomtorsion.teaching.exercises.registry import Own
 from geomtorsion.teaching.exercises.worker_pool import Json
 from geomtorsion.teaching.lab import guides, views
 from geomtorsion.teaching.lab.controls import path_case
-from geomtorsion.teaching.lab.space_info import space_info
+from geomtorsion.teaching.lab.space_info import space_info, space_titles
 from geomtorsion.teaching.lab.tasks import task
 from geomtorsion.teaching.texts import ENGLISH, Language, code_of, language_name, texts
 
@@ -153,7 +153,7 @@ def compass(language: str) -> str:
 
 def tetrads(language: str) -> str:
     """Some tetrads with their geometry."""
-    parts = []
+    parts, named = [], space_titles(language)
     for name in TETRADS:
         facts = space_info(name)
         reply = task("tetrad")(
@@ -167,7 +167,7 @@ def tetrads(language: str) -> str:
         opened = " open" if name == TETRADS[0] else ""
         parts.append(
             f'<details{opened} id="{name}"><summary><strong>{escape(name)}: '
-            f"{escape(facts['title'])}</strong></summary>{story}{_forms(facts, language)}"
+            f"{escape(named[name])}</strong></summary>{story}{_forms(facts, language)}"
             f"{_nameless(views.tetrad(reply, language))}</details>"
         )
     return "".join(parts)
@@ -188,7 +188,7 @@ def _forms(known: Json, language: str) -> str:
 
 def loops(language: str) -> str:
     """Loops of several radii, behind a slider."""
-    parts, text = [], texts("figures", "still", language)
+    parts, text, named = [], texts("figures", "still", language), space_titles(language)
     for name in LOOPS:
         facts = space_info(name)
         slides = []
@@ -200,7 +200,7 @@ def loops(language: str) -> str:
             title = escape(text("of_radius", radius=f"{radius:g}"))
             slides.append(f"<section><h3>{title}</h3>{shown}</section>")
         parts.append(
-            f"<h2>{escape(name)}: {escape(facts['title'])}</h2><label>{escape(text('radius'))} "
+            f"<h2>{escape(name)}: {escape(named[name])}</h2><label>{escape(text('radius'))} "
             f'<input type="range" data-slides="loops-{name}" min="0" max="{len(RADII) - 1}" '
             f'value="4"></label><div id="loops-{name}">{"".join(slides)}</div>'
         )
@@ -210,14 +210,14 @@ def loops(language: str) -> str:
 
 def curves(language: str) -> str:
     """The straightest and the shortest curve in some spaces."""
-    parts, text = [], texts("figures", "still", language)
+    parts, text, named = [], texts("figures", "still", language), space_titles(language)
     for name, moments in PATHS:
         facts = space_info(name)
         speeds = {f"u{k}": value for k, value in enumerate(facts["velocity"])} | {"t": facts["t"]}
         inertia = {f"I{k}": value for k, value in enumerate(moments)}
         reply = task("paths")(**path_case(name, speeds | inertia), language=language)
         shown = _nameless(views.paths(reply, language) + views.paths_below(reply, language))
-        title = f"{name}: {facts['title']}"
+        title = f"{name}: {named[name]}"
         if moments:
             title = text("moments", space=title, moments=moments)
         parts.append(f"<h2>{escape(title)}</h2>{shown}")

@@ -45,9 +45,9 @@ def _():
 
 
 @app.cell
-def _(controls, language, mo, query):
+def _(controls, language, mo, query, views):
     tab = controls.tabs(mo, query, language)
-    mo.vstack([tab])
+    mo.vstack([tab, mo.Html(views.computing(language))])
     return (tab,)
 
 
@@ -94,6 +94,7 @@ def _(
     curve,
     guides,
     kind,
+    language,
     loop_space,
     mo,
     path_space,
@@ -113,7 +114,8 @@ def _(
         guides.COSTS: [kind],
     }
     mo.stop(opened not in _panels)
-    mo.Html(views.controls(_panels[opened], "after"))
+    _shown = views.controls(_panels[opened], "after", language)
+    mo.Html(views.of_tab(opened, _shown, result=False))
     return
 
 
@@ -136,7 +138,8 @@ def _(controls, curve, loop_facts, path_facts, place, radius, top):
 def _(controls, course, guides, language, mo, opened, runner, store, views):
     mo.stop(opened != guides.COMPASS)
     store(mo, {"course": (f"{course.value:g}", f"{controls.PAGE.course:g}")})
-    mo.Html(views.compass(runner.ask("compass", course=course.value, language=language), language))
+    _reply = runner.ask("compass", course=course.value, language=language)
+    mo.Html(views.of_tab(opened, views.compass(_reply, language)))
     return
 
 
@@ -223,7 +226,7 @@ def _(
     ]
     mo.vstack(
         [
-            mo.Html(views.controls([beginning])),
+            mo.Html(views.of_tab(opened, views.controls([beginning]), result=False)),
             mo.Html(keys.keyed(views.controls(names.values()), beginning.value)),
             mo.Html(keys.keyed(views.wrapped(views.grid(_cells, _size)), beginning.value, _size)),
             mo.accordion(
@@ -241,7 +244,7 @@ def _(
 @app.cell
 def _(guides, language, mo, opened, tetrad_reply, views):
     mo.stop(opened != guides.TETRAD)
-    mo.Html(views.tetrad(tetrad_reply, language))
+    mo.Html(views.of_tab(opened, views.tetrad(tetrad_reply, language)))
     return
 
 
@@ -255,21 +258,22 @@ def _(
     mo.stop(opened != guides.LOOPS)
     store(mo, controls.loop_query(loop_facts, place.value, radius.value))
     loop_reply = runner.ask("loop", **cases["loop"], language=language)
-    mo.Html(views.loop(loop_reply, language))
+    mo.Html(views.of_tab(opened, views.loop(loop_reply, language)))
     return (loop_reply,)
 
 
 @app.cell
 def _(guides, language, loop_reply, mo, opened, views):
     mo.stop(opened != guides.LOOPS)
-    mo.Html(views.loop_below(loop_reply, language))
+    mo.Html(views.of_tab(opened, views.loop_below(loop_reply, language), result=False))
     return
 
 
 @app.cell
 def _(guides, language, mo, opened, runner, views):
     mo.stop(opened != guides.LOOPS)
-    mo.Html(views.atoms(runner.ask("atoms", language=language), language))
+    _reply = runner.ask("atoms", language=language)
+    mo.Html(views.of_tab(opened, views.atoms(_reply, language), result=False))
     return
 
 
@@ -286,7 +290,7 @@ def _(controls, language, mo):
 @app.cell
 def _(guides, language, map_upload, mo, opened, views):
     mo.stop(opened != guides.LOOPS)
-    mo.Html(views.map_field(map_upload, language))
+    mo.Html(views.of_tab(opened, views.map_field(map_upload, language), result=False))
     return
 
 
@@ -322,10 +326,9 @@ def _(
         _chosen = map_settings.value
         map_state = runner.ask("map_facts", map_file.contents, name=map_file.name, **_chosen)
     _controls = [*map_settings.values(), map_measure, *map_places.values()]
-    mo.Html(
-        views.map_description(map_state)
-        + views.controls(_controls if map_places.value else [], "measured")
-    )
+    _shown = views.map_description(map_state)
+    _shown += views.controls(_controls if map_places.value else [], "measured")
+    mo.Html(views.of_tab(opened, _shown, result=False))
     return (map_state,)
 
 
@@ -349,7 +352,7 @@ def _(
     mo.stop(opened != guides.LOOPS or not map_places.value or "problem" in map_state)
     _case = controls.map_case(map_facts, map_places.value, map_measure.value) | map_settings.value
     map_reply = runner.ask("map_circuit", map_file.contents, name=map_file.name, **_case)
-    mo.Html(views.map_circuit(map_reply, language))
+    mo.Html(views.of_tab(opened, views.map_circuit(map_reply, language), result=False))
     return
 
 
@@ -361,14 +364,14 @@ def _(cases, controls, curve, guides, language, mo, path_facts, runner, store, o
     mo.stop(opened != guides.PATHS)
     store(mo, controls.path_query(path_facts, curve.value))
     path_reply = runner.ask("paths", **cases["straightest"], language=language)
-    mo.Html(views.paths(path_reply, language))
+    mo.Html(views.of_tab(opened, views.paths(path_reply, language)))
     return (path_reply,)
 
 
 @app.cell
 def _(guides, language, mo, opened, path_reply, views):
     mo.stop(opened != guides.PATHS)
-    mo.Html(views.paths_below(path_reply, language))
+    mo.Html(views.of_tab(opened, views.paths_below(path_reply, language), result=False))
     return
 
 
@@ -380,14 +383,14 @@ def _(cases, controls, guides, language, mo, runner, store, opened, top, views):
     mo.stop(opened != guides.TOP)
     store(mo, controls.top_query(top.value))
     top_reply = runner.ask("top", **cases["top"], language=language)
-    mo.Html(views.top(top_reply, language))
+    mo.Html(views.of_tab(opened, views.top(top_reply, language)))
     return (top_reply,)
 
 
 @app.cell
 def _(guides, language, mo, opened, top_reply, views):
     mo.stop(opened != guides.TOP)
-    mo.Html(views.top_below(top_reply, language))
+    mo.Html(views.of_tab(opened, views.top_below(top_reply, language), result=False))
     return
 
 
@@ -399,7 +402,7 @@ def _(cases, guides, kind, language, mo, opened, runner, store, views):
     mo.stop(opened != guides.COSTS)
     store(mo, {"measure": (kind.value, "loop")})
     _reply = runner.ask("costs", kind=kind.value, case=cases[kind.value], language=language)
-    mo.Html(views.costs(_reply, language))
+    mo.Html(views.of_tab(opened, views.costs(_reply, language)))
     return
 
 
@@ -433,7 +436,7 @@ def _(check, exercise, fields, guides, language, mo, opened, seed, stated, views
     mo.vstack(
         [
             mo.Html(views.controls([exercise, seed])),
-            mo.Html(views.exercise(stated, language)),
+            mo.Html(views.of_tab(opened, views.exercise(stated, language))),
             fields,
             check,
         ]
@@ -470,7 +473,7 @@ def _(guides, language, mo, opened, runner, sent, stated, texts_from, views):
             answers=_answers,
             **texts_from,
         )
-    mo.Html(views.verdict(_reply, language))
+    mo.Html(views.of_tab(opened, views.verdict(_reply, language), result=False))
     return
 
 
@@ -480,7 +483,8 @@ def _(guides, hint, language, mo, opened, runner, stated, texts_from, views):
     _taken = runner.ask(
         "hints", number=stated["number"], seed=stated["seed"], count=hint.value, **texts_from
     )
-    mo.vstack([hint, mo.Html(views.steps(_taken, language))])
+    _steps = views.of_tab(opened, views.steps(_taken, language), result=False)
+    mo.vstack([hint, mo.Html(_steps)])
     return
 
 

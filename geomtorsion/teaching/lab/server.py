@@ -9,7 +9,7 @@ from collections.abc import Awaitable, Callable, Iterable, Mapping, MutableMappi
 from contextlib import suppress
 from pathlib import Path
 from typing import Any
-from urllib.parse import SplitResult, urlsplit
+from urllib.parse import SplitResult, parse_qs, urlsplit
 
 from geomtorsion.errors import LimitError, MissingExtraError
 from geomtorsion.pictures.formula import font_face
@@ -17,6 +17,7 @@ from geomtorsion.teaching.exercises.chapter_folder import load_folder
 from geomtorsion.teaching.exercises.registry import Own
 from geomtorsion.teaching.exercises.worker_pool import Json
 from geomtorsion.teaching.lab.address import Address
+from geomtorsion.teaching.lab.control_values import ControlValues, ValueRefusedError
 from geomtorsion.teaching.lab.localized import App, Receive, Scope, Send, localized, with_chapter
 from geomtorsion.teaching.lab.notebook_path import without_path
 from geomtorsion.teaching.lab.settings import PAGE
@@ -77,9 +78,11 @@ class AccessControl:
         ending: Callable[[], Awaitable[None]] | None = None,
         reserve: int = PAGE.reserve,
         notebook: Path | None = None,
+        starting: Callable[[str], bool] = lambda _: False,
     ) -> None:
         self.app = app
         self.notebook = notebook
+        self.starting = starting
         self.ending = ending
         self.hosts: frozenset[str] = frozenset(hosts)
         self.sessions = sessions
@@ -87,6 +90,7 @@ class AccessControl:
         self.reserve = min(reserve, sessions // 4)
         # Client -> its open sessions.
         self.open: Counter[str] = Counter()
+        self.values = ControlValues()
         self._opening = asyncio.Lock()
 
     async def __call__(self, scope: Scope, receive: Receive, send: Send) -> None:
@@ -120,11 +124,34 @@ class AccessControl:
                 answer.append(message)
 
             async with self._opening:
-                await asyncio.wait_for(self.app(scope, _no_body(), kept), PAGE.opening)
+                await asyncio.wait_for(self.app(scope, _with_body(b""), kept), PAGE.opening)
             for message in answer if self.notebook is None else without_path(answer, self.notebook):
                 await _guarded(send)(message)
+        elif scope["path"] == CONTROL:
+            await self._values(scope, receive, send)
         else:
             await self.app(scope, _bounded(receive, most_bytes(scope)), _guarded(send))
+
+    async def _values(self, scope: Scope, receive: Receive, send: Send) -> None:
+        """Pass values of controls on if they fit the controls, or send the reason."""
+        body, more, bounded = b"", True, _bounded(receive, most_bytes(scope))
+        while more:
+            message = await bounded()
+            if message["type"] != "http.request":
+                return
+            body += message.get("body", b"")
+            more = message.get("more_body", False)
+        session = dict(scope["headers"]).get(b"marimo-session-id", b"").decode("latin-1")
+        try:
+            checked = self.values.checked(session, body)
+        except ValueRefusedError as error:
+            await _tell(send, error.status, str(error))
+            return
+        headers = [
+            (key, str(len(checked)).encode() if key.lower() == b"content-length" else value)
+            for key, value in scope["headers"]
+        ]
+        await self.app({**scope, "headers": headers}, _with_body(checked), _guarded(send))
 
     async def _life(self, receive: Receive, send: Send) -> None:
         """Start and end of the server."""
@@ -174,14 +201,16 @@ class AccessControl:
             await receive()
             await send({"type": "websocket.close", "code": 1013, "reason": "the lab is full"})
             return
-        client = _client(scope)
+        client, name = _client(scope), _session_name(scope)
         self.open[client] += 1
+        self.values.open(name)
         try:
-            await self._opened(scope, receive, send)
+            await self._opened(scope, receive, send, name)
         finally:
             self.open[client] -= 1
+            self.values.close(name)
 
-    async def _opened(self, scope: Scope, receive: Receive, send: Send) -> None:
+    async def _opened(self, scope: Scope, receive: Receive, send: Send, name: str) -> None:
         """A session whose start completes before the next session starts.
 
         marimo compiles the page in a thread for each session, and in Python before 3.13 two threads
@@ -194,6 +223,7 @@ class AccessControl:
             text = message.get("text") or ""
             if text.startswith(_BEGUN):
                 begun.set()
+            self.values.record(name, text)
             outgoing.put_nowait(message)
 
         async def passed_on() -> None:
@@ -211,6 +241,9 @@ class AccessControl:
             every = (session, sender, waiting)
             try:
                 await asyncio.wait(every, timeout=PAGE.opening, return_when=asyncio.FIRST_COMPLETED)
+                # A browser may go at once: the thread of its session still compiles the page.
+                with suppress(TimeoutError):
+                    await asyncio.wait_for(_passed(self.starting, name), PAGE.opening)
             except asyncio.CancelledError:
                 for task in every:
                     task.cancel()
@@ -229,14 +262,26 @@ class AccessControl:
             raise error from None
 
 
+async def _passed(starting: Callable[[str], bool], name: str) -> None:
+    """Wait until the thread of a session has compiled the page."""
+    while starting(name):
+        await asyncio.sleep(PAGE.polling)
+
+
+def _session_name(scope: Scope) -> str:
+    """The name that a browser gives its session."""
+    query = parse_qs(scope.get("query_string", b"").decode("latin-1"))
+    return query.get("session_id", [""])[0]
+
+
 def _client(scope: Scope) -> str:
     """Network address of the client."""
     client = scope.get("client")
     return str(client[0]) if client else ""
 
 
-def _no_body() -> Receive:
-    """A request that has arrived completely."""
+def _with_body(body: bytes) -> Receive:
+    """A request that has arrived completely, with this body."""
     given = False
 
     async def receive() -> MutableMapping[str, Any]:
@@ -245,7 +290,7 @@ def _no_body() -> Receive:
             # The caller waits for a disconnect, which the server notices when it sends the answer.
             await asyncio.Event().wait()
         given = True
-        return {"type": "http.request", "body": b"", "more_body": False}
+        return {"type": "http.request", "body": body, "more_body": False}
 
     return receive
 
@@ -380,8 +425,12 @@ def application(
         for manager in managers:
             await manager.shutdown()
 
+    def starting(name: str) -> bool:
+        found = [one for manager in managers if (one := manager.get_session(name)) is not None]
+        return any(not one.session_view.last_execution_time for one in found)
+
     inner = with_chapter(localized(inner, language), chapter)
-    return AccessControl(inner, hosts, sessions, ending, notebook=page)
+    return AccessControl(inner, hosts, sessions, ending, notebook=page, starting=starting)
 
 
 def serve(

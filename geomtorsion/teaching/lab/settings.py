@@ -29,6 +29,7 @@ class Settings:
     Times
     -----
     opening: seconds that a session may take to show its first page before the next is let in.
+    polling: seconds between two looks at a session that starts.
     sending: seconds that a browser may take to read one message.
     reopening: seconds for which a page that was closed can be opened again where it was.
     pause: milliseconds without a key pressed after which a typed text is read.
@@ -66,6 +67,7 @@ class Settings:
     kept: int = 64_000_000
     apart: int = 5
     opening: float = 15.0
+    polling: float = 0.1
     sending: float = 30.0
     reopening: int = 120
     pause: int = 350

@@ -16,6 +16,7 @@ from geomtorsion.spaces import load, titles
 from geomtorsion.spaces.first_motion import first_motion
 from geomtorsion.teaching.exercises.worker_pool import Json
 from geomtorsion.teaching.lab.settings import PAGE
+from geomtorsion.teaching.texts import ENGLISH, texts
 
 if TYPE_CHECKING:
     from geomtorsion.geometry import Frame
@@ -45,7 +46,19 @@ def space_of(name: str) -> Space:
     return load(name)
 
 
-def drawable() -> dict[str, str]:
+def space_titles(language: str = ENGLISH) -> dict[str, str]:
+    """Name of each shipped space -> its title in a language.
+
+    Examples
+    --------
+    >>> space_titles("de")["heisenberg"]
+    'die Heisenberg-Gruppe (Nil)'
+    """
+    text = texts("spaces", "titles", language)
+    return {name: text(name) for name in titles()}
+
+
+def drawable(language: str = ENGLISH) -> dict[str, str]:
     """Title of each space with drawable loops and motions -> name, the usual ones first.
 
     Examples
@@ -53,12 +66,13 @@ def drawable() -> dict[str, str]:
     >>> list(drawable().values())[:2]
     ['so3', 's2']
     """
-    drawn = {name: title for name, title in titles().items() if name not in _UNDRAWN}
+    named = space_titles(language)
+    drawn = {name: title for name, title in named.items() if name not in _UNDRAWN}
     order = [*FIRST, *(name for name in drawn if name not in FIRST)]
     return {f"{name}: {drawn[name]}": name for name in order if name in drawn}
 
 
-def typable() -> dict[str, str]:
+def typable(language: str = ENGLISH) -> dict[str, str]:
     """Title of each space with a tetrad that can be typed -> name, the drawable ones first.
 
     Examples
@@ -68,10 +82,10 @@ def typable() -> dict[str, str]:
     """
     more = {
         f"{name}: {title}": name
-        for name, title in titles().items()
+        for name, title in space_titles(language).items()
         if name in _UNDRAWN and name not in _UNTYPED
     }
-    return {**drawable(), **more}
+    return {**drawable(language), **more}
 
 
 def space_form(space: str) -> Json:

@@ -34,7 +34,7 @@ def first_start() -> str:
 def starts(mo: ModuleType, query: Query, language: str = ENGLISH) -> ui.dropdown:
     """The list of starting points: an empty tetrad or the tetrad of a space."""
     text = texts("figures", "controls", language)
-    options: Json = {**typable(), **{text("blank", count=n): n for n in BLANK}}
+    options: Json = {**typable(language), **{text("blank", count=n): n for n in BLANK}}
     start = query.one_of("start", list(options.values()), next(iter(options.values())))
     [first] = [title for title, value in options.items() if value == start]
     return mo.ui.dropdown(options, value=first, label=text("start"))

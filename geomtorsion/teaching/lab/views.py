@@ -16,6 +16,7 @@ from geomtorsion.teaching.lab.guides import (
     LOOPS,
     MEASURED,
     PATHS,
+    TABS,
     TETRAD,
     TOP,
     Guide,
@@ -314,10 +315,34 @@ def grid(cells: Sequence[str], columns: int) -> str:
     return f'<div class="tetrad" style="{template}">{inner}</div>'
 
 
-def controls(pieces: Sequence[object], kind: str = "") -> str:
+def controls(pieces: Sequence[object], kind: str = "", language: str = ENGLISH) -> str:
     """Controls side by side, in as many rows as they need.
 
-    kind "after": on a narrow window they are below the picture that they change.
+    kind "after": on a narrow window they are below the picture that they change; several are folded
+    there behind a button, so that they do not hide the picture.
     """
     inner = "".join(f"<div>{piece}</div>" for piece in pieces)
-    return wrapped(f'<div class="controls {kind}">{inner}</div>')
+    fold = ""
+    if kind == "after" and len(pieces) > 1:
+        name = escape(texts("lab", "page", language)("controls"))
+        fold = f'<button type="button" class="fold" aria-expanded="false">{name}</button>'
+    return wrapped(f'{fold}<div class="controls {kind}">{inner}</div>')
+
+
+def of_tab(name: str, html: str, *, result: bool = True) -> str:
+    """Output that belongs to a tab, by its number, so that the page hides it below other tabs.
+
+    result: whether it is what the tab computes; until it is there, the page shows "Computing".
+
+    Examples
+    --------
+    >>> of_tab(COMPASS, "x"), of_tab(LOOPS, "y", result=False)
+    ('<div data-of="0" data-result>x</div>', '<div data-of="1">y</div>')
+    """
+    return f'<div data-of="{list(TABS).index(name)}"{" data-result" * result}>{html}</div>'
+
+
+def computing(language: str = ENGLISH) -> str:
+    """The word that the page shows while a tab has no result yet."""
+    text = escape(texts("lab", "page", language)("computing"))
+    return wrapped(f'<p class="computing note" role="status">{text}</p>')

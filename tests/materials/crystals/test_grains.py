@@ -48,9 +48,9 @@ def test_grains_of_a_polycrystal_have_known_orientations(lattice, noise):
     turns = [turned(0, (0, 0, 1)), TURN, turned(45, (1, 0, 0)), turned(40, (-1, 1, 3))]
     seeds = np.array([[2, 2, 2], [9, 8, 3], [3, 9, 9], [9, 2, 9.0]])
     constants = [1.0 if lattice == "fcc" else 0.8] * 4
-    places, own = polycrystal([lattice] * 4, turns, seeds * 12 / 14, 12, constants)
+    places, own = polycrystal([lattice] * 4, turns, seeds * 10 / 14, 10, constants)
     places = places + noise * 0.7 * np.random.default_rng(0).normal(size=places.shape)
-    crystal = Crystal(places, [12.0] * 3)
+    crystal = Crystal(places, [10.0] * 3)
     grains = crystal.grains
     assert (crystal.lattice, len(grains), grains.is_single) == (lattice, 4, False)
     assert np.concatenate([grain.atoms for grain in grains]).size == (grains.number >= 0).sum()

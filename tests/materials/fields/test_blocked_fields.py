@@ -18,6 +18,7 @@ from geomtorsion.materials.fields import BlockMap, SampledFrame
 from geomtorsion.materials.fields.blocked_fields import BlockedSurvey, map_in_blocks
 from geomtorsion.materials.fields.large_arrays import opened
 from geomtorsion.materials.readers import is_array, is_source, open_in_blocks, open_source
+from tests.chosen import few
 from tests.cli import running
 from tests.materials.test_readers import grid
 from tests.processes import interruptible
@@ -79,7 +80,7 @@ def noisy(n: int, defects: bool) -> np.ndarray:
     return found
 
 
-@pytest.mark.parametrize(("n", "defects"), [(300, False), (200, True), (620, False)])
+@pytest.mark.parametrize(("n", "defects"), few(2, [(200, True), (300, False), (620, False)]))
 def test_noise_is_estimated_as_at_once(tmp_path, n, defects):
     """Noise passes in 0.1 % of all circuits in both maps; defects are significant in both.
 

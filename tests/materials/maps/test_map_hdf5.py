@@ -194,6 +194,61 @@ def test_symmetries(tmp_path: Path, laue: str):
     assert OrientationMap.read(put(tmp_path / "a.h5", tree), sigma=0).phases[1].laue == laue
 
 
+SYMBOLS = {
+    "m-3m": "F m#ovl3m,I m#ovl3m,Fd#ovl3m(*),F #ovl43m,Fm-3m,F d -3 m,P 43 3 2,Ia-3d",
+    "6/mmm": "P 6#sub3/mmc,P 6#sub3mc,P 63/m m c,P6_3/mmc,P 65 2 2,P 6 2 2",
+    "-3m": "R -3 m H,R 3 c,P 31 2 1", "-3": "R -3", "m-3": "P a -3,P 21 3,P213",
+    "4/mmm": "P42/mnm,I 41/a m d,P 41 21 2,I-42d", "4/m": "I 4/m", "mmm": "P n m a,P212121,Cmce",
+    "2/m": "P 1 21/c 1,C 2/m,P21/c", "-1": "P-1,P 1",
+}  # fmt: skip
+
+
+@pytest.mark.parametrize("laue", SYMBOLS)
+def test_symbols_of_space_groups(tmp_path: Path, laue: str):
+    """Bruker writes symbols with marks for bars and screw axes; others write them with blanks."""
+    tree = bruker()
+    del tree["a/EBSD/Header/Phases/1/IT"]
+    for k, symbol in enumerate(SYMBOLS[laue].split(",")):
+        path = put(tmp_path / f"{k}.h5", {**tree, "a/EBSD/Header/Phases/1/SpaceGroup": symbol})
+        assert OrientationMap.read(path, sigma=0).phases[1].laue == laue, symbol
+
+
+def test_positions_in_pixels(tmp_path: Path):
+    """OIM 8.6 and the beam positions of Bruker count pixels; the header has the step."""
+    data = "Scan 1/EBSD/Data"
+    turned(
+        put(tmp_path / "a.oh5", {**edax(), f"{data}/X Position": COLUMN, f"{data}/Y Position": ROW})
+    )
+    tree, order = bruker(), np.random.default_rng(0).permutation(42)
+    data = "a/EBSD/Data"
+    beam = {f"{data}/X BEAM": COLUMN[order], f"{data}/Y BEAM": ROW[order]}
+    rest = {key: value for key, value in tree.items() if "SAMPLE" not in key}
+    turned(put(tmp_path / "b.h5", {**rest, **beam}))
+
+
+def test_emsphinx(tmp_path: Path):
+    """EMSphInx writes the layout of EDAX under its own name, in the order of the rows."""
+    tree = {key: value for key, value in edax().items() if "Position" not in key}
+    tree |= {"Manufacturer": "EMSphInx", "Scan 1/EBSD/Data/Phase": np.ones(42, int)}
+    found = turned(put(tmp_path / "a.h5", tree))
+    assert (found.phases[1].name, found.phases[1].laue) == ("Nickel", "m-3m")
+
+
+def test_processed_maps_of_oxford(tmp_path: Path):
+    """A processed map has its own angles and phases, and the grid of the measured map."""
+    path = h5oina(tmp_path / "a.h5oina")
+    with h5py.File(path, "a") as file:
+        file["1/Data Processing/Data/Euler"] = file["1/EBSD/Data/Euler"][()] + 0.1
+        file["1/Data Processing/Data/Phase"] = file["1/EBSD/Data/Phase"][()]
+        file.copy("1/EBSD/Header/Phases", "1/Data Processing/Header/Phases")
+    with pytest.raises(OrientationError, match="0: 1/Data Processing/Data, 1: 1/EBSD/Data"):
+        OrientationMap.read(path, sigma=0)
+    processed, measured = (OrientationMap.read(path, sigma=0, slice=k) for k in (0, 1))
+    assert processed.steps == measured.steps
+    assert processed.phases == measured.phases
+    assert np.abs(processed.quaternions - measured.quaternions).max() > 0.01
+
+
 def unknown() -> Tree:
     """Names that no table has."""
     names = "orientation,columns,lines,material"

@@ -10,6 +10,7 @@ import sys
 from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
+from typing import IO
 
 from tests.processes import interruptible
 
@@ -19,13 +20,16 @@ STARTING = 60
 
 
 @contextmanager
-def served(*options: str) -> Iterator[str]:
-    """The address of a page that is served by the command line."""
+def served(*options: str, errors: IO[str] | None = None) -> Iterator[str]:
+    """The address of a page that is served by the command line.
+
+    errors: the file that gets what the server writes to standard error.
+    """
     environment = os.environ | {"PYTHONPATH": str(ROOT), "PYTHONUNBUFFERED": "1"}
     process = interruptible(
         [sys.executable, "-m", "geomtorsion", "lab", "--port", "0", *options],
         stdout=subprocess.PIPE,
-        stderr=subprocess.STDOUT,
+        stderr=errors or subprocess.STDOUT,
         text=True,
         env=environment,
         cwd=ROOT,

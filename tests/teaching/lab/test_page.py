@@ -473,8 +473,13 @@ def test_dark_and_narrow(shared_lab: Watched):
     # Parts appear one by one: the animation may be present before the old content is removed.
     expect(page.locator("iframe")).to_be_in_viewport(timeout=PATIENCE)
     film = page.locator("iframe").bounding_box()
-    # The control of the figure remains visible below it.
+    # The figure is not hidden by its controls, which a button unfolds below it.
+    button = page.get_by_role("button", name="Controls")
+    assert film["y"] + 200 < button.bounding_box()["y"]
     watch = page.get_by_label("quantity in the chart")
+    expect(watch).not_to_be_visible()
+    button.click()
+    assert button.get_attribute("aria-expanded") == "true"
     expect(watch).to_be_in_viewport()
     plan = page.locator("#top-plan").bounding_box()
     assert film["y"] < 800
@@ -489,7 +494,37 @@ def test_dark_and_narrow(shared_lab: Watched):
     expect(panel).to_be_in_viewport()
     assert panel.evaluate(on_top)
     assert too_wide(page) == []
+    button.click()
+    expect(watch).not_to_be_visible()
     page.emulate_media(color_scheme="light")
+
+
+def test_a_tab_shows_that_it_computes(lab: Watched):
+    """While a tab computes, the page reports it, and nothing of the tab before is visible."""
+    from playwright.sync_api import expect
+
+    page = lab.tab("Loops")
+    page.wait_for_selector("#loop-table, #loop svg")
+    waiting = page.get_by_text("Computing ...")
+    expect(waiting).not_to_be_visible(timeout=PATIENCE)
+    # In one turn of the browser no result can come from the server.
+    seen = page.evaluate(
+        """async () => {
+            const tabs = (root) => [...root.querySelectorAll("*")].flatMap((e) => [
+                ...(e.matches('[role="tab"]') ? [e] : []),
+                ...(e.shadowRoot ? tabs(e.shadowRoot) : [])]);
+            const tab = tabs(document).find((e) => e.textContent.trim() === "What accuracy costs");
+            tab.dispatchEvent(new MouseEvent("mousedown", { bubbles: true, button: 0 }));
+            tab.click();
+            await new Promise((done) => requestAnimationFrame(() => requestAnimationFrame(done)));
+            const visible = (e) => e && e.checkVisibility();
+            return [visible(document.querySelector(".computing")),
+                    [...document.querySelectorAll('[data-of="1"]')].filter(visible).length];
+        }"""
+    )
+    assert seen == [True, 0]
+    page.wait_for_selector("#costs-result", timeout=2 * PATIENCE)
+    expect(waiting).not_to_be_visible()
 
 
 def test_a_watched_quantity_is_drawn(shared_lab: Watched):

@@ -15,6 +15,7 @@ from typing import Any
 import pytest
 
 from geomtorsion.teaching.lab.server import AccessControl
+from geomtorsion.teaching.lab.settings import PAGE
 from tests.teaching.lab.serving import served
 from tests.teaching.lab.session import run
 
@@ -73,6 +74,35 @@ def test_a_client_that_never_reads_delays_nobody(kind: str, path: str):
         return other.got
 
     assert run(both()) == ["http.response.start", "http.response.body"]
+
+
+def test_a_browser_that_goes_at_once_does_not_free_the_lock():
+    """The next session begins only when the thread of a closed session has compiled the page."""
+
+    async def both() -> list[str]:
+        compiling, order = {"first"}, []
+
+        async def closes(scope: Any, receive: Any, send: Any) -> None:
+            order.append(scope["query_string"].decode())
+            await send({"type": "websocket.accept"})
+
+        control = AccessControl(closes, starting=lambda name: name in compiling)
+
+        async def session(name: str) -> None:
+            scope = scope_of("websocket", "/ws") | {"query_string": f"session_id={name}".encode()}
+            client = Client()
+            await control(scope, client.receive, client.send)
+
+        first = asyncio.create_task(session("first"))
+        await asyncio.sleep(0)
+        second = asyncio.create_task(session("second"))
+        await asyncio.sleep(3 * PAGE.polling)
+        order.append("compiled")
+        compiling.clear()
+        await asyncio.wait_for(asyncio.gather(first, second), SOON)
+        return order
+
+    assert run(both()) == ["session_id=first", "compiled", "session_id=second"]
 
 
 @pytest.mark.parametrize(

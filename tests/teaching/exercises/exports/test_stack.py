@@ -16,6 +16,7 @@ from geomtorsion.teaching.exercises.exports.stack import stack_quiz
 from geomtorsion.teaching.exercises.exports.tasks import tasks
 from geomtorsion.teaching.exercises.prose import html_of
 from tests.benchmarks.maxima import environment
+from tests.chosen import few
 from tests.teaching.exercises.exports.moodle import (
     StackQuestion,
     as_answered,
@@ -78,7 +79,7 @@ def test_references_of_a_question_exist(number):
         assert len(question.findall("qtest")) >= 1
 
 
-@pytest.mark.parametrize("number", NUMBERS)
+@pytest.mark.parametrize("number", few(8, NUMBERS))
 def test_variants_are_deployed(number):
     """Each seed of the library is a variant of a question; seeds of STACK count from 1."""
     questions = exported(number)
