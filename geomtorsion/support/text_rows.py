@@ -201,15 +201,22 @@ def number_table(
 # What programs write where no number is known.
 _MISSING = re.compile(
     r"(?i)(?<![^\s,;])(?:#?n/?a|null|none|missing|no ?data|[-+]?nan(?:\(\w*\))?|-?1\.#\w+"
-    r"|#\w+[!?]|--+)"
+    r"|#\w+(?:/\w+)?[!?]|-+|\*+)"
     r"(?![^\s,;])"
 )
-_FORTRAN = re.compile(r"(?<![^\s,;])([+-]?(?:\d+\.?\d*|\.\d+))[dD]([+-]?\d{1,3})(?![^\s,;])")
+# Fortran writes 1.5D+03, and 1.5+103 where the letter has no room.
+_FORTRAN = re.compile(
+    r"(?<![^\s,;])([+-]?(?:\d+\.?\d*|\.\d+))(?:[dD](?=[+-]?\d{1,3}(?!\d))|(?=[+-]\d{3}(?!\d)))"
+    r"([+-]?\d{1,3})(?![^\s,;])"
+)
+# A comment behind the numbers, with blanks around its sign.
+_BEHIND = re.compile(r"\s(?:#|//|!|%)\s.*$")
 
 
 def _plain_rows(rows: Sequence[str]) -> list[str]:
-    """Rows with nan for words that mean a missing value, and with plain exponents."""
-    return [_FORTRAN.sub(r"\1e\2", _MISSING.sub("nan", row)) for row in rows]
+    """Rows with nan for missing values and plain exponents, without quotes and comments."""
+    bare = [_BEHIND.sub("", row.replace('"', "")) for row in rows]
+    return [_FORTRAN.sub(r"\1e\2", _MISSING.sub("nan", row)) for row in bare]
 
 
 def _filled(rows: Sequence[str], width: int, split: str) -> list[str]:

@@ -48,7 +48,8 @@ def test_a_number_that_all_failed_nodes_share(mark, both, tmp_path):
 
 @pytest.mark.parametrize(
     "mark",
-    "NA|N/A|#N/A|n/a|NaN|-nan|nan(ind)|NULL|None|missing||--|1.#QNAN|#VALUE!|no data".split("|"),
+    "NA|N/A|#N/A|n/a|NaN|-nan|nan(ind)|NULL|None|missing||--|1.#QNAN|#VALUE!|no data".split("|")
+    + ["#DIV/0!", "***", "-"],
 )
 def test_words(mark, tmp_path):
     """Words for missing values are holes in every spelling."""
@@ -69,6 +70,25 @@ def test_exponents_of_fortran(tmp_path):
 
     path = table(tmp_path / "a.csv", "-9.999D+03", written=written)
     assert is_right(gt.SampledFrame.read(path))
+
+
+@pytest.mark.parametrize("behind", [" # outside", " // bad", " ! checked", " % 3"])
+def test_comments_and_quotes(behind, tmp_path):
+    """A comment behind numbers and quotes around them are no part of the numbers."""
+    path = table(tmp_path / "a.csv", "NA", written=lambda x: f'"{x!r}"')
+    name, *rows = path.read_text().splitlines()
+    path.write_text("\n".join([name, *(row + behind for row in rows)]))
+    assert is_right(gt.SampledFrame.read(path))
+
+
+def test_an_exponent_of_three_digits(tmp_path):
+    """Fortran writes 1.0+003 where the letter has no room."""
+
+    def written(x):
+        mantissa, exponent = f"{x:.16e}".split("e")
+        return f"{mantissa}{int(exponent):+04d}"
+
+    assert is_right(gt.SampledFrame.read(table(tmp_path / "a.csv", "NA", written=written)))
 
 
 def test_a_declared_value(tmp_path):
