@@ -204,7 +204,7 @@ _MISSING = re.compile(
     r"|#\w+(?:/\w+)?[!?]|-+|\*+)"
     r"(?![^\s,;])"
 )
-# Fortran writes 1.5D+03, and 1.5+103 where the letter has no room.
+# Fortran writes 1.5D+03, and 1.5+103 without the letter before three digits.
 _FORTRAN = re.compile(
     r"(?<![^\s,;])([+-]?(?:\d+\.?\d*|\.\d+))(?:[dD](?=[+-]?\d{1,3}(?!\d))|(?=[+-]\d{3}(?!\d)))"
     r"([+-]?\d{1,3})(?![^\s,;])"

@@ -48,8 +48,10 @@ def test_a_number_that_all_failed_nodes_share(mark, both, tmp_path):
 
 @pytest.mark.parametrize(
     "mark",
-    "NA|N/A|#N/A|n/a|NaN|-nan|nan(ind)|NULL|None|missing||--|1.#QNAN|#VALUE!|no data".split("|")
-    + ["#DIV/0!", "***", "-"],
+    [
+        *"NA|N/A|#N/A|n/a|NaN|-nan|nan(ind)|NULL|None|missing||--|1.#QNAN".split("|"),
+        *("#VALUE!", "no data", "#DIV/0!", "***", "-"),
+    ],
 )
 def test_words(mark, tmp_path):
     """Words for missing values are holes in every spelling."""
@@ -74,7 +76,7 @@ def test_exponents_of_fortran(tmp_path):
 
 @pytest.mark.parametrize("behind", [" # outside", " // bad", " ! checked", " % 3"])
 def test_comments_and_quotes(behind, tmp_path):
-    """A comment behind numbers and quotes around them are no part of the numbers."""
+    """Comments behind numbers and quotes around them do not count."""
     path = table(tmp_path / "a.csv", "NA", written=lambda x: f'"{x!r}"')
     name, *rows = path.read_text().splitlines()
     path.write_text("\n".join([name, *(row + behind for row in rows)]))
@@ -82,7 +84,7 @@ def test_comments_and_quotes(behind, tmp_path):
 
 
 def test_an_exponent_of_three_digits(tmp_path):
-    """Fortran writes 1.0+003 where the letter has no room."""
+    """1.0+003 is a number: Fortran omits the letter before three digits."""
 
     def written(x):
         mantissa, exponent = f"{x:.16e}".split("e")
