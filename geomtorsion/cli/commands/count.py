@@ -29,13 +29,15 @@ CONNECTIONS = {"cartan": "teleparallel", "levi-civita": "riemannian"}
 
 def count(
     lagrangian: LagrangianOption = None,
-    connection: Annotated[
+    geometry: Annotated[
         str | None,
         option(
+            "-g",
+            "--geometry",
             "-c",
             "--connection",
             metavar="NAME",
-            text="cartan (teleparallel), levi-civita (riemannian), poincare, 'symmetric "
+            text="teleparallel (or cartan), riemannian (or levi-civita), poincare, 'symmetric "
             "teleparallel' or flat (only matter varies). A named theory has its own.",
         ),
     ] = None,
@@ -91,13 +93,13 @@ def count(
 
     \b
     Examples:
-      geomtorsion count -L "R" -c levi-civita --dimension 3
-      geomtorsion count -L "T + c*T**2" -c cartan --dimension 3
-      geomtorsion count -L "-F2/4" -c flat --vectors 1
+      geomtorsion count -L "R" -g riemannian --dimension 3
+      geomtorsion count -L "T + c*T**2" -g teleparallel --dimension 3
+      geomtorsion count -L "-F2/4" -g flat --vectors 1
     """
     if lagrangian is None:
         raise ArgumentError(
-            "count: expected a Lagrangian, got none. Give -L 'T + c*T**2' -c cartan."
+            "count: expected a Lagrangian, got none. Give -L 'T + c*T**2' -g teleparallel."
         )
     given = dict(assigned(one, "--set", "c=1") for one in values or ())
     start = None
@@ -112,7 +114,7 @@ def count(
             start = start.subs(put) if put else start
         answer = perturbed.degrees_of_freedom(
             theory_of(lagrangian),
-            CONNECTIONS.get(connection, connection) if connection else None,
+            CONNECTIONS.get(geometry, geometry) if geometry else None,
             dimension=dimension,
             near=start,
             scalars=fields,

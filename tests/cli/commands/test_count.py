@@ -19,7 +19,7 @@ METRIC = ["count", "-L", "R", "-c", "levi-civita"]
 
 def test_text_equals_the_library() -> None:
     """The command prints the answer as Python does."""
-    text = running.run("count", "-L", "-F2/4", "-c", "flat", "--dimension", "3", "--vectors", "1")
+    text = running.run("count", "-L", "-F2/4", "-g", "flat", "--dimension", "3", "--vectors", "1")
     answer = perturbed.degrees_of_freedom("-F2/4", "flat", dimension=3, vectors=1)
     assert text.stdout.split() == str(answer).split()
 
@@ -41,7 +41,7 @@ def test_near_a_frame_with_formulas_of_fields(tmp_path: Path) -> None:
 
 def test_refusals_name_the_remedy() -> None:
     for arguments, words in (
-        (["count"], "-L 'T + c*T**2' -c cartan"),
+        (["count"], "-L 'T + c*T**2' -g teleparallel"),
         ([*METRIC, "--near", "schwarzschild"], "without parameters"),
         ([*METRIC, "--dimension", "3", "--near", "kerr", "--set", "M=1", "--set", "a=0.5"],
          "expected a frame of 3 dimensions"),
