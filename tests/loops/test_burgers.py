@@ -381,7 +381,7 @@ def gaussian(width: float, height: str) -> float:
 @pytest.mark.parametrize("width", [100, 1000, 10**6])
 @pytest.mark.parametrize("height", ["square", "circle"])
 def test_a_narrow_peak_is_found(width, height):
-    """A Gauss function that is 1e-6 wide lies between all points of the first rule."""
+    """All points of the first rule miss a Gauss function of such a width."""
     frame = Frame("x y", [["1", "0"], [f"exp(-({width}*(x - 1/7))^2)*(1 + y)", "1"]])
     square = Loop.polygon([[-1, -1], [1, -1], [1, 1], [-1, 1]])
     loop = square if height == "square" else Loop.circle([0, 0], 1)
