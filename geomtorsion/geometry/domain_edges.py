@@ -24,12 +24,19 @@ class Edge:
     element: an exact element; a motion on which it falls through zero has reached the edge.
     words: event at the edge, for messages; condition: relation that holds inside.
     is_root: whether it is a root of the frame, so that rates have no value beyond it.
+    declared: the relation of the domain, empty for other edges.
     """
 
     element: Element
     words: str
     condition: str
     is_root: bool = False
+    declared: str = ""
+
+    @property
+    def relation(self) -> str:
+        """The condition as a formula without words."""
+        return self.declared or f"{self.element.sympy} > 0"
 
 
 @derived
@@ -45,6 +52,8 @@ def domain_edges(frame: Frame) -> tuple[Edge, ...]:
     >>> flat = Frame([r, phi], [[1, 0], [0, r]], domain=[r > 0, phi > 0, phi < 2 * sp.pi])
     >>> [edge.condition for edge in domain_edges(flat)]
     ['the domain is r > 0']
+    >>> [edge.relation for edge in domain_edges(flat)]
+    ['r > 0']
     """
     return (*_of_domain(frame), *_of_signs(frame), *_of_branches(frame))
 
@@ -66,7 +75,8 @@ def _of_domain(frame: Frame) -> Iterator[Edge]:
                 f"domain: expected relations that can be evaluated along a motion, got {relation}. "
                 "Write it without absolute values and cases, for instance as two relations."
             ) from None
-        yield Edge(inside, f"{relation} holds no longer", f"the domain is {relation}")
+        shown = str(relation)
+        yield Edge(inside, f"{shown} holds no longer", f"the domain is {shown}", declared=shown)
 
 
 def _of_signs(frame: Frame) -> Iterator[Edge]:

@@ -114,11 +114,16 @@ class Defect:
         across = np.array(rows(self.across, len(place)))
         return turns_round(loop.parts, place, across, str(self))
 
-    def __str__(self) -> str:
+    @property
+    def equations(self) -> str:
+        """Its position as equations of coordinates, such as "x = 0, y = 0"."""
         names = self.names or tuple(f"q{k}" for k in range(len(self.point)))
         across = self.across if self.across and isinstance(self.across[0], int) else None
         shown = across or [k for k in range(len(self.point)) if k not in self.free]
-        return f"{self.name} at " + ", ".join(f"{names[k]} = {self.point[k]}" for k in shown)
+        return ", ".join(f"{names[k]} = {self.point[k]}" for k in shown)
+
+    def __str__(self) -> str:
+        return f"{self.name} at {self.equations}"
 
 
 @dataclass(frozen=True, eq=False)

@@ -96,6 +96,22 @@ def _bounds_text(true: Bounds) -> str:
 
 
 @dataclass(frozen=True)
+class Choice:
+    """The rows that a recommendation compares; None where there is none.
+
+    best: the fastest with an error estimate at the finest accuracy that is reached; second: the
+    next one. loose: the coarsest request of the same way. plain: the same engine without an error
+    estimate. proofs: all that reach their request.
+    """
+
+    best: PriceRow | None = None
+    second: PriceRow | None = None
+    loose: PriceRow | None = None
+    plain: PriceRow | None = None
+    proofs: tuple[PriceRow, ...] = ()
+
+
+@dataclass(frozen=True)
 class PriceList:
     """Cost of one result: digits, certainty, effects.
 
@@ -223,38 +239,52 @@ class PriceList:
         """The fastest way to the finest accuracy, and what less and more cost; a line each."""
         if self.unit != "accuracy":
             return self._wall
-        rows = [row for row in self.rows if row.reached]
-        checked = [row for row in rows if row.certainty == "estimate"]
-        proofs = [row for row in rows if row.certainty == "proof"]
-        if not checked:
+        chosen = self.choice
+        best, loose, proofs = chosen.best, chosen.loose, chosen.proofs
+        if best is None:
             if proofs:
                 each = (
                     f"{size_text(r.requested, 0)} in {duration_text(r.seconds)}" for r in proofs
                 )
                 return f"Proofs: {', '.join(each)}."
             return "No way reaches these accuracies; request less."
-        finest = min(row.requested for row in checked)
-        best, *others = sorted(
-            (row for row in checked if row.requested == finest), key=lambda row: row.seconds
-        )
-        text = f"Take {best.way}: {size_text(finest, 0)} in {duration_text(best.seconds)}"
-        if others:
-            ratio = others[0].seconds / best.seconds
-            text += f", {ratio:.2g} times faster than {others[0].way}"
+        text = f"Take {best.way}: {size_text(best.requested, 0)} in {duration_text(best.seconds)}"
+        if chosen.second:
+            ratio = chosen.second.seconds / best.seconds
+            text += f", {ratio:.2g} times faster than {chosen.second.way}"
         lines = [text]
-        loose = self.of(best.way)[0]
-        if loose.requested > finest:
+        if loose:
             part = 100 * loose.seconds / best.seconds
             lines.append(f"{size_text(loose.requested, 0)} takes {part:.0f} % of this time")
-        plain = self.plain(best)
-        if plain is not None:
-            part = 100 * plain.seconds / best.seconds
+        if chosen.plain:
+            part = 100 * chosen.plain.seconds / best.seconds
             lines.append(f"Without an error estimate it takes {part:.0f} %")
         if proofs:
             ratio = proofs[0].seconds / best.seconds
             digits = size_text(proofs[0].requested, 0)
             lines.append(f"A proof to {digits} takes {ratio:.2g} times as long")
         return "\n".join(f"{line}." for line in lines)
+
+    @property
+    def choice(self) -> Choice:
+        """The rows that the recommendation compares."""
+        rows = [row for row in self.rows if row.reached]
+        checked = [row for row in rows if row.certainty == "estimate"]
+        proofs = tuple(row for row in rows if row.certainty == "proof")
+        if not checked:
+            return Choice(proofs=proofs)
+        finest = min(row.requested for row in checked)
+        best, *others = sorted(
+            (row for row in checked if row.requested == finest), key=lambda row: row.seconds
+        )
+        loose = self.of(best.way)[0]
+        return Choice(
+            best,
+            others[0] if others else None,
+            loose if loose.requested > finest else None,
+            self.plain(best),
+            proofs,
+        )
 
     @property
     def _wall(self) -> str:

@@ -30,7 +30,7 @@ from geomtorsion.teaching.texts import ENGLISH, Texts, texts
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
-    from geomtorsion.loops import BurgersVector
+    from geomtorsion.loops import BurgersVector, Check, EnclosedDefect
 
 PATH, IMAGE = SERIES[0], SERIES[2]
 
@@ -146,7 +146,7 @@ def _outside(frame: Frame, b: BurgersVector, text: Texts) -> list[str]:
     for edge in edges_of(frame):
         [inside] = graph(names, [edge.element.sympy]).numpy()(*place)
         if np.min(inside) < 0:
-            return [text("outside", condition=edge.condition)]
+            return [text("outside", relation=edge.relation)]
     return []
 
 
@@ -258,10 +258,10 @@ def _sentences(
     area, error = float(b.loop.area[plane]), size_text(b.error, 0)
     first = text("area", area=number(float(f"{area:.6g}")), plane=around)
     if b.vanishes:
-        return [first, text("closes", error=error, check=b.check.text)]
+        return [first, text("closes", error=error), _check(b.check, text)]
     sentences = [first, text("gap", size=f"{b.magnitude:.6g}", error=error)]
     if b.enclosed and not any(expected):
-        defects = names_text([str(defect) for defect in b.enclosed], text.language)
+        defects = names_text([_enclosed(one, text) for one in b.enclosed], text.language)
         return [*sentences, text("encloses", defects=defects)]
     largest = max(abs(x) for x in expected)
     if largest:
@@ -272,4 +272,20 @@ def _sentences(
         else:
             share = f"{miss:.1%}" if miss > 1e-3 else f"{miss:.0e}"
             sentences.append(text("differs", share=share))
-    return [*sentences, text("check", check=b.check.text)]
+    return [*sentences, _check(b.check, text)]
+
+
+def _check(check: Check, text: Texts) -> str:
+    """Comparison of both results in a sentence."""
+    if check.difference is None:
+        return text("check.single")
+    size = size_text(float(abs(check.difference).max()))
+    return text("check.agree" if check.agrees else "check.differ", size=size)
+
+
+def _enclosed(one: EnclosedDefect, text: Texts) -> str:
+    """A line inside the loop: its position and the turns of the loop about it."""
+    where = one.defect.equations
+    if one.turns == 1:
+        return text("line_once", position=where)
+    return text("line_turns", position=where, turns=number(one.turns))

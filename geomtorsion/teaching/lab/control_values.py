@@ -136,7 +136,7 @@ class ControlValues:
     def checked(self, session: str, body: bytes) -> bytes:
         """Values from a browser that fit their controls, as marimo reads them.
 
-        A value of a control that the session does not show is left out: a control may have been
+        A value of a control that the session does not show is omitted: a control may have been
         replaced while its last value was on its way.
 
         Raises

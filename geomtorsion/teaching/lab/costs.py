@@ -11,7 +11,7 @@ import numpy as np
 from geomtorsion.errors import LoopError
 from geomtorsion.loops import Loop
 from geomtorsion.pictures.style import SERIES, number, visible
-from geomtorsion.prices import PriceList, price
+from geomtorsion.prices import PriceList, PriceRow, price
 from geomtorsion.spaces import pair_problems
 from geomtorsion.spaces.first_motion import first_motion
 from geomtorsion.support.outgoing import duration_text, size_text
@@ -105,11 +105,11 @@ def _of_top(
 def _shown(title: str, prices: PriceList, text: Texts) -> Json:
     """Figure and table of the rows that have a result."""
     rows: list[list[Any]] = [
-        [row.way, row.requested or None, row.true.high, row.seconds]
+        [_method(row, text), row.requested or None, row.true.high, row.seconds]
         for row in prices.rows
         if row.measured and row.true is not None
     ]
-    proofs = {row.way for row in prices.rows if row.certainty == "proof"}
+    proofs = {_method(row, text) for row in prices.rows if row.certainty == "proof"}
     figure, axes = plane(title, (text("error"), text("time")), height=4.6)
     # Errors of proofs are far below those that a double can show.
     names = [name for name in dict.fromkeys(row[0] for row in rows) if name not in proofs]
@@ -137,7 +137,54 @@ def _shown(title: str, prices: PriceList, text: Texts) -> Json:
         "picture": svg(figure, text.language),
         "table": f"<details><summary>{summary}</summary>{listed}</details>",
         # Also true for a page without a server, and for a case that was measured before.
-        "advice": escape(f"{prices.recommendation} {text('measured')}"),
+        "advice": escape(" ".join([*_advice(prices, text), text("measured")])),
         "rows": rows,
-        "truth": prices.truth,
+        "truth": _named("truths", prices.truth, text),
     }
+
+
+def _named(table: str, name: str, text: Texts) -> str:
+    """The text for a name of the library, which shows the name of an engine as it is."""
+    return text(f"{table}.{name}") if f"{table}.{name}" in text else name
+
+
+def _method(row: PriceRow, text: Texts) -> str:
+    """The way of a row in words."""
+    if row.certainty == "plain" and row.engine not in ("", row.way):
+        return text("plain", method=_named("methods", row.engine, text))
+    return _named("methods", row.way, text)
+
+
+def _advice(prices: PriceList, text: Texts) -> list[str]:
+    """The fastest method to the finest accuracy, and what less and more cost, in sentences."""
+    chosen = prices.choice
+    best = chosen.best
+    proofs = [_bought(row) for row in chosen.proofs]
+    if best is None:
+        each = ", ".join(text("bought", **values) for values in proofs)
+        return [text("proofs", proofs=each) if each else text("none")]
+
+    def share(row: PriceRow) -> str:
+        return f"{100 * row.seconds / best.seconds:.0f} %"
+
+    take = {"method": _method(best, text), **_bought(best)}
+    if chosen.second:
+        ratio = f"{chosen.second.seconds / best.seconds:.2g}"
+        other = _method(chosen.second, text)
+        sentences = [text("take_faster", **take, ratio=ratio, other=other)]
+    else:
+        sentences = [text("take", **take)]
+    if loose := chosen.loose:
+        accuracy = size_text(loose.requested, 0)
+        sentences.append(text("loose", accuracy=accuracy, share=share(loose)))
+    if chosen.plain:
+        sentences.append(text("unchecked", share=share(chosen.plain)))
+    if proofs:
+        ratio = f"{chosen.proofs[0].seconds / best.seconds:.2g}"
+        sentences.append(text("proof", accuracy=proofs[0]["accuracy"], ratio=ratio))
+    return sentences
+
+
+def _bought(row: PriceRow) -> dict[str, str]:
+    """The accuracy of a row and its time."""
+    return {"accuracy": size_text(row.requested, 0), "time": duration_text(row.seconds)}

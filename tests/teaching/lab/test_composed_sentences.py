@@ -1,0 +1,98 @@
+"""Composed sentences: all of their words are texts of the language, none is of the library."""
+
+from __future__ import annotations
+
+import html
+import re
+import tomllib
+from collections.abc import Iterator
+from typing import Any
+from zlib import crc32
+
+import pytest
+
+from geomtorsion.teaching.lab.closure_failure import closure_failure
+from geomtorsion.teaching.lab.costs import costs
+from geomtorsion.teaching.lab.space_info import space_info
+from geomtorsion.teaching.texts import FOLDER, placeholders
+
+
+def wordless(entry: Any) -> Any:
+    """Texts with their placeholders and without their words."""
+    if isinstance(entry, dict):
+        return {key: wordless(value) for key, value in entry.items()}
+    if isinstance(entry, list):
+        return [wordless(value) for value in entry]
+    # Texts stay different where they were, as names of methods have to.
+    mark = str(crc32(entry.encode()))
+    return " ".join([mark, *(f"@{{{name}}}" for name in sorted(placeholders(entry)))])
+
+
+def lines(table: dict[str, Any], path: tuple[str, ...] = ()) -> Iterator[str]:
+    """A table as TOML, a dotted key a line."""
+    for key, value in table.items():
+        if isinstance(value, dict):
+            yield from lines(value, (*path, key))
+        else:
+            name = ".".join(f'"{part}"' for part in (*path, key))
+            yield f"{name} = {value!r}"
+
+
+@pytest.fixture(scope="module")
+def blank(tmp_path_factory: pytest.TempPathFactory) -> str:
+    """A language that has no words: whatever words a sentence has are not from its texts."""
+    folder = tmp_path_factory.mktemp("blank")
+    for name in ("figures", "lab"):
+        english = tomllib.loads((FOLDER / "en" / f"{name}.toml").read_text("utf-8"))
+        (folder / f"{name}.toml").write_text("\n".join(lines(wordless(english))), "utf-8")
+    return str(folder)
+
+
+def words(reply: Any) -> set[str]:
+    """Words of three letters or more in a text, without tags."""
+    return set(re.findall(r"[^\W\d_]{3,}", html.unescape(re.sub(r"<[^>]*>", " ", str(reply)))))
+
+
+def test_a_blank_language_has_no_words(blank: str):
+    """The test finds a word that is not from a text, and no word of a text."""
+    [entry] = wordless({"a": ["all of @{here}"]})["a"]
+    assert words(entry.replace("@{here}", "")) == set()
+    assert words("<td>x &lt; 1 all</td>") == {"all"}
+
+
+@pytest.mark.parametrize(
+    ("name", "centre", "names"),
+    [("heisenberg", [0, 0, 0], set()), ("screw_dislocation", None, set()),
+     ("so3_axis_angle", [0.1, 0.1, 0.3], {"chi"}), ("so3", [1, 1, 1], set())],
+)  # fmt: skip
+def test_sentences_below_a_loop(blank: str, name: str, centre: list[float] | None, names: set[str]):
+    """A loop of constant torsion, around a line, beyond its coordinates, and of none of these."""
+    reply = closure_failure(name, centre or space_info(name)["loop_centre"], 0.5, [0, 1], blank)
+    assert words(reply["sentence"]) | words(reply["table"]) <= names
+
+
+def test_german_sentences_below_a_loop():
+    """The comparison of two computations and an enclosed line in German."""
+    regular, line = (
+        closure_failure(name, [0.1, 0.1, 0.3], 0.5, [0, 1], "de")["sentence"]
+        for name in ("heisenberg", "screw_dislocation")
+    )
+    assert "Zwei Rechnungen, entlang der Schleife und über den Fluss der Torsion" in regular
+    assert "umschließt eine Linie (x = 0, y = 0, einmal)" in line
+
+
+@pytest.mark.parametrize(
+    ("kind", "case"),
+    [("loop", {"space": "so3", "centre": [0.3, 1, 0.2], "radius": 0.1, "plane": [0, 1]}),
+     ("shortest", {"space": "s2", "velocity": [0.4, 0.3], "t": 2.0}),
+     ("top", {"moments": [1, 2, 3], "omega": [0.1, 2, 0.1], "tilt": 0.3, "t": 3.0})],
+)  # fmt: skip
+def test_advice_about_costs(blank: str, kind: str, case: dict[str, Any]):
+    """Advice, truth and methods; names of engines are the same in every language."""
+    reply = costs(kind, case, blank)
+    found = words(reply["advice"]) | words(reply["table"]) | words(reply["truth"])
+    assert found <= {"Taylor", "RungeKutta"}
+    german = costs(kind, case, "de")
+    assert german["advice"].startswith("Nimm ")
+    assert " dieser Zeit. " in german["advice"]
+    assert german["truth"].startswith(("ein", "die "))
