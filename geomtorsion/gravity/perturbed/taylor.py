@@ -72,7 +72,7 @@ def about_flat_space(
 def _conditions(
     rests: Sequence[sp.Expr], coefficients: Collection[sp.Symbol]
 ) -> dict[sp.Symbol, sp.Expr]:
-    """Values of coefficients, in order, with which expressions in these alone vanish."""
+    """Values of coefficients, in order, for which expressions without other symbols vanish."""
     conditions: dict[sp.Symbol, sp.Expr] = {}
     for one in rests:
         rest = sp.expand(one.xreplace(conditions))
