@@ -177,17 +177,13 @@ class Composition:
             {name: x for name, x in _named(table).items() if name not in lost}
             for table in (self.start.values, self.start.near)
         )
-        return part._completed(start, near)
-
-    def _completed(self, start: dict[str, Any], near: dict[str, Any]) -> Composition:
-        """The theory from as many of the numbers as possible, which its constraints complete."""
         refused: GravityError | StartError | None = None
         # As few numbers as possible are left to the constraints, the last ones first.
         for count in range(len(start) + 1):
             for names in combinations(reversed(start), count):
                 left = {name: x for name, x in start.items() if name not in names}
                 free = near | {name: start[name] for name in names}
-                trial = self._from(left, free)
+                trial = part._from(left, free)
                 try:
                     _ = trial.beginning.first
                 except (GravityError, StartError) as error:
