@@ -84,10 +84,10 @@ def burgers_vector(
     accuracy. For one loop most of the time goes into calls, not points: `burgers_map` and
     `burgers_vectors` share them among many loops.
 
-    A smooth peak of the coframe that is narrower than a fiftieth of a side, or of the radius of a
-    circle, may fall between all points; then neither the vector nor its error shows it. `prove`
-    compares the error with a bound over the whole loop and reports such a peak. Corners of a
-    polygon where the peak begins and ends resolve it.
+    Narrow peaks of denominators, exp, tanh, atan and erf are found. Another peak, such as a high
+    power of a cosine, that is narrower than a fiftieth of a side, or of the radius of a circle, may
+    be missed: the route then reports the value without it. `prove` of the result compares the
+    error with a bound over the whole loop and reports such a peak.
 
     Returns
     -------

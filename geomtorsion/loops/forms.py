@@ -3,12 +3,14 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Mapping, Sequence
+from contextlib import suppress
 from dataclasses import dataclass, replace
 from functools import cache, partial
 from typing import TYPE_CHECKING
 
 import numpy as np
 import sympy as sp
+from sympy.core.function import AppliedUndef
 
 from geomtorsion.codegen import numpy_function
 from geomtorsion.errors import (
@@ -32,6 +34,8 @@ if TYPE_CHECKING:
     from geomtorsion.geometry import Frame
 
 Values = Callable[..., np.ndarray]
+# Functions u -> f(u) that are nearly constant far from u = 0.
+STEEP = (sp.exp, sp.atan, sp.tanh, sp.erf)
 
 
 @dataclass(frozen=True, eq=False)
@@ -75,7 +79,12 @@ class Form:
 
     def noise(self, points: np.ndarray, values: np.ndarray, centre: np.ndarray) -> np.ndarray:
         """How far rounding of the coordinates and of the evaluation may move the entries there."""
-        moved = self.values(perturbed(points, centre))
+        near = perturbed(points, centre)
+        moved = self.values(near)
+        if not np.isfinite(moved).all():
+            # Such as sinh(x)/cosh(x) at 1000, which the exact function evaluates.
+            with suppress(SingularPointError):
+                moved = self.at(near)
         return np.abs(moved - values) + ROUNDING * np.abs(values)
 
 
@@ -275,18 +284,29 @@ def poles_of(
     arguments: Sequence[sp.Symbol],
     owner: str = "coframe",
 ) -> Poles | None:
-    """Factors in denominators of the elements that depend on a coordinate."""
+    """Factors in denominators of the elements that depend on a coordinate, and narrow peaks."""
     coordinates = set(frame.coordinates)
-    factors = {k: x for k, x in _denominators(frame, elements).items() if x.symbols & coordinates}
-    if not factors:
+    peaks, denominators = (
+        {k: x for k, x in every.items() if x.symbols & coordinates}
+        for every in (_arguments(frame, elements), _denominators(frame, elements))
+    )
+    if not peaks and not denominators:
         return None
 
     def sizes(*values: float) -> np.ndarray:
         point, levels = dict(zip(arguments, values, strict=True)), {}
         return np.array([float(abs(x.evaluate(point, EXACT_BITS, levels))) for x in elements])
 
-    function = numpy_function(list(factors.values()), arguments, check=False)
-    return Poles(function, tuple(factors), owner, sizes=sizes)
+    factors = [*peaks.values(), *denominators.values()]
+    plain = numpy_function(factors, arguments, check=False)
+
+    def rooted(*values: np.ndarray) -> np.ndarray:
+        rows = plain(*values)
+        rows[: len(peaks)] = np.sqrt(np.hypot(1.0, rows[: len(peaks)]))
+        return rows
+
+    names = (*(f"sqrt(1 + |{u}|)" for u in peaks), *denominators)
+    return Poles(rooted if peaks else plain, names, owner, sizes=sizes)
 
 
 def _denominators(frame: Frame, elements: Sequence[Element]) -> dict[str, Element]:
@@ -299,6 +319,16 @@ def _denominators(frame: Frame, elements: Sequence[Element]) -> dict[str, Elemen
                 factor = of_factor(field, base)
                 denominators[str(factor)] = factor
     return denominators
+
+
+def _arguments(frame: Frame, elements: Sequence[Element]) -> dict[str, Element]:
+    """Real arguments u of functions that change near u = 0 only, each once, by their text.
+
+    (1 + u^2)^(1/4) is small where such a function changes, as a denominator is near a pole.
+    """
+    found = {function.args[0] for x in elements for function in x.sympy.atoms(*STEEP)}
+    real = [u for u in found if not u.has(sp.I) and not u.atoms(AppliedUndef)]
+    return {str(u): frame.field.read(u) for u in sorted(real, key=str)}
 
 
 def constant_poles(frame: Frame, elements: Sequence[Element]) -> tuple[Element, ...]:

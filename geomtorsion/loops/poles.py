@@ -33,8 +33,14 @@ def _steep(values: np.ndarray) -> np.ndarray:
     one, two = np.abs(values[..., 1:]), np.abs(values[..., :-1])
     is_steep = ~(2 * np.minimum(one, two) > np.maximum(one, two))
     if not np.iscomplexobj(values):
-        is_steep |= values[..., 1:] * values[..., :-1] < 0
+        is_steep |= _changes_sign(values)
     return np.asarray(is_steep.any(axis=-1))
+
+
+def _changes_sign(values: np.ndarray) -> np.ndarray:
+    """Where real values change their sign from one place to the next; products would overflow."""
+    signs = np.sign(values)
+    return signs[..., 1:] * signs[..., :-1] < 0
 
 
 def refuse_poles(poles: Poles | None, part: Part) -> tuple[tuple[int, float], ...]:
@@ -87,7 +93,7 @@ def _cuts(
         It vanishes there.
     """
     arc, count, sizes = part.arcs[number], len(s), np.abs(row)
-    signs = np.flatnonzero(row[1:] * row[:-1] < 0) if not np.iscomplexobj(row) else ()
+    signs = np.flatnonzero(_changes_sign(row)) if not np.iscomplexobj(row) else ()
     # An arc that begins or ends nearest to a pole: the loop comes from there, or continues there.
     ends = {j for j, inner in ((0, 1), (count - 1, count - 2)) if sizes[j] <= sizes[inner]}
     dips = {int(sizes.argmin()), *_dips(sizes).tolist(), *map(int, signs), *ends}

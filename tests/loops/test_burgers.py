@@ -1,11 +1,13 @@
 """Burgers vectors: closed forms, laws of loops, routes and their choice, and bad input."""
 
 import json
+import math
 
 import mpmath
 import numpy as np
 import pytest
 import sympy as sp
+from scipy.integrate import quad
 
 from geomtorsion.errors import (
     CoordinateError,
@@ -368,3 +370,30 @@ def test_values_of_a_loop_against_declarations():
     ):
         loop.at({"r": 2})
     assert loop.at({"r": -2}).area[0, 1] == pytest.approx(4 * np.pi)
+
+
+def gaussian(width: float, height: str) -> float:
+    """Closed integral of exp(-(width (x - 1/7))^2) (1 + y) dx around the unit square or circle."""
+    rim = {"square": lambda x: 1.0, "circle": lambda x: math.sqrt(1 - x * x)}[height]
+    return -2 / width * quad(lambda u: rim(1 / 7 + u / width) * math.exp(-u * u), -9, 9)[0]
+
+
+@pytest.mark.parametrize("width", [100, 1000, 10**6])
+@pytest.mark.parametrize("height", ["square", "circle"])
+def test_a_narrow_peak_is_found(width, height):
+    """All points of the first rule miss a Gauss function of such a width."""
+    frame = Frame("x y", [["1", "0"], [f"exp(-({width}*(x - 1/7))^2)*(1 + y)", "1"]])
+    square = Loop.polygon([[-1, -1], [1, -1], [1, 1], [-1, 1]])
+    loop = square if height == "square" else Loop.circle([0, 0], 1)
+    found = burgers_vector(frame, loop)
+    truth = gaussian(width, height)
+    assert abs(found.vector[1] - truth) <= found.error + 1e-9 * abs(truth)
+    assert found.error < 1e-4 * abs(truth)
+
+
+@pytest.mark.parametrize("width", [100, 10**4])
+def test_a_steep_step_has_an_error(width):
+    """tanh at arguments at which sinh and cosh overflow: b = -4, with an error that is a number."""
+    frame = Frame("x y", [["1", "0"], [f"tanh({width}*(y - 1/7))", "1"]])
+    found = burgers_vector(frame, Loop.polygon([[-1, -1], [1, -1], [1, 1], [-1, 1]]))
+    assert abs(found.vector[1] + 4) <= found.error < 1e-12

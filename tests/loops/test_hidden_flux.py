@@ -1,4 +1,4 @@
-"""Hidden flux: a loop beside a bump that no sample meets does not claim the error 0."""
+"""Hidden flux: a loop through or beside a bump that no sample meets reports it."""
 
 from __future__ import annotations
 
@@ -20,13 +20,12 @@ def bump(steep: int) -> gt.Frame:
 
 
 @pytest.mark.parametrize("steep", [1000, 10_000, 100_000])
-def test_a_bump_between_samples_is_in_the_error(steep: int) -> None:
-    """A side through the bump has |b| = sqrt(pi)/steep: samples are 0, the error is not."""
+def test_a_bump_between_samples_is_found(steep: int) -> None:
+    """A side through the bump has |b| = sqrt(pi)/steep, which all samples of a first rule miss."""
     found = gt.burgers_vector(bump(steep), gt.Loop.plaquette([0, 0], (1, 1)))
     truth = np.sqrt(np.pi) / steep
-    assert found.vector.tolist() == [0, 0]
-    assert truth <= found.error < 3 * truth
-    assert not found.reached
+    assert abs(np.linalg.norm(found.vector) - truth) <= found.error + ROUNDED
+    assert found.error < 1e-6 * truth
     assert gt.prove(found).holds is True
 
 

@@ -83,7 +83,7 @@ def _set(kind: str, text: str) -> str:
     if kind == "text":
         return escaped(text)
     latex, stop = text.split("\0")
-    return rf"\ :math:`{latex}`\ {stop}"
+    return rf"\ :math:`{latex.strip()}`\ {stop}"
 
 
 def _paragraphs(lines: Iterable[str]) -> Iterator[list[str]]:
