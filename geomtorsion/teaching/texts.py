@@ -107,6 +107,18 @@ class Texts:
                 self.file.fail(self._path(key), f"{key}: expected 'word: meaning', got {word!r}.")
         return {word: meaning for word, _, meaning in pairs}
 
+    def named(self, table: str, name: str) -> str:
+        """The text of a table for a name of the library; the name itself if the table has none.
+
+        Examples
+        --------
+        >>> text = texts("figures", "paths", "de")
+        >>> text.named("drawn", "on the sphere"), text.named("drawn", "x")
+        ('Auf der Kugel', 'x')
+        """
+        key = f"{table}.{name}"
+        return self(key) if key in self else name
+
     def __contains__(self, key: str) -> bool:
         return key in self.entries
 
@@ -263,7 +275,7 @@ def untranslated(language: Language) -> tuple[str, ...]:
     Examples
     --------
     >>> untranslated("de"), untranslated("fr")[0]
-    ((), 'closure.toml [circle]')
+    ((), 'closure.toml title')
     """
     name = language_name(language)
     if name == ENGLISH:

@@ -139,20 +139,15 @@ def _shown(title: str, prices: PriceList, text: Texts) -> Json:
         # Also true for a page without a server, and for a case that was measured before.
         "advice": escape(" ".join([*_advice(prices, text), text("measured")])),
         "rows": rows,
-        "truth": _named("truths", prices.truth, text),
+        "truth": text.named("truths", prices.truth),
     }
-
-
-def _named(table: str, name: str, text: Texts) -> str:
-    """The text for a name of the library, which shows the name of an engine as it is."""
-    return text(f"{table}.{name}") if f"{table}.{name}" in text else name
 
 
 def _method(row: PriceRow, text: Texts) -> str:
     """The way of a row in words."""
     if row.certainty == "plain" and row.engine not in ("", row.way):
-        return text("plain", method=_named("methods", row.engine, text))
-    return _named("methods", row.way, text)
+        return text("plain", method=text.named("methods", row.engine))
+    return text.named("methods", row.way)
 
 
 def _advice(prices: PriceList, text: Texts) -> list[str]:

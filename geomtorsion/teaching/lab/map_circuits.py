@@ -10,13 +10,19 @@ from geomtorsion.teaching.lab.maps import MapPicture, UploadedMap, uploaded
 from geomtorsion.teaching.lab.plot import plane, svg
 from geomtorsion.teaching.lab.settings import PAGE
 from geomtorsion.teaching.lab.uploads import read_map, title_of
+from geomtorsion.teaching.texts import ENGLISH
 
 # Bright with a dark edge: visible on every colour of the map.
 LINE, EDGE, UNKNOWN = "#ffffff", "#a3201a", "#cdd0d5"
 
 
 def map_facts(
-    content: bytes, name: str, threshold: float | None = None, phase: int = 0, laue: str = ""
+    content: bytes,
+    name: str,
+    threshold: float | None = None,
+    phase: int = 0,
+    laue: str = "",
+    language: str = ENGLISH,
 ) -> Json:
     """Description of a map, and the possible positions of circuits in it.
 
@@ -29,6 +35,8 @@ def map_facts(
     threshold, phase, laue
         For orientation maps: least angle between grains, degrees; the displayed phase, 0 for all;
         its Laue group, empty for the group in the file.
+    language
+        of the description.
 
     Returns
     -------
@@ -55,17 +63,17 @@ def map_facts(
     title = title_of(name)
     problem = ""
     try:
-        upload = _read(content, title, threshold, phase, laue)
+        upload = _read(content, title, threshold, phase, laue, language)
     except FileFormatError as error:
         # The file may be readable if some symmetry is assumed for its phases.
         if laue or "its symmetry is not known" not in str(error):
             raise
-        upload = _read(content, title, threshold, 0, "-1")
+        upload = _read(content, title, threshold, 0, "-1", language)
         problem = f"{str(error).partition(' Give it')[0]} Choose a Laue group below."
     layout = upload.layout
     most = min(layout.shape) - 1
     facts = {
-        "sentence": f"{title} is {upload.description}.",
+        "sentence": upload.text("file", file=title, description=upload.description),
         "unit": layout.unit,
         "shape": list(layout.shape),
         "starts": list(layout.starts),
@@ -88,12 +96,13 @@ def map_circuit(
     threshold: float | None = None,
     phase: int = 0,
     laue: str = "",
+    language: str = ENGLISH,
 ) -> Json:
     """A square circuit in a map, and |b| per area of all circuits of its size.
 
     Parameters
     ----------
-    content, name, threshold, phase, laue
+    content, name, threshold, phase, laue, language
         As for `map_facts`.
     centre
         The node at its centre, numbers along x and y from 0.
@@ -118,7 +127,7 @@ def map_circuit(
     >>> [round(x, 9) for x in found["b"]]
     [9.0]
     """
-    upload = _read(content, title_of(name), threshold, phase, laue)
+    upload = _read(content, title_of(name), threshold, phase, laue, language)
     corner = [int(k) - int(side) // 2 for k in centre]
     reply: dict[str, object] = {"picture": _picture(upload, upload.picture(side), corner, side)}
     try:
@@ -128,19 +137,22 @@ def map_circuit(
 
 
 def _read(
-    content: bytes, title: str, threshold: float | None, phase: int, laue: str
+    content: bytes, title: str, threshold: float | None, phase: int, laue: str, language: str
 ) -> UploadedMap:
     """The content of the file, read with the chosen options."""
-    return uploaded(read_map(content, title, threshold, (laue, phase) if laue else None), phase)
+    data = read_map(content, title, threshold, (laue, phase) if laue else None)
+    return uploaded(data, phase, language)
 
 
 def _picture(found: UploadedMap, shown: MapPicture, corner: Sequence[int], side: int) -> str:
     """The map with the circuit; beside it the scale."""
-    layout = found.layout
+    layout, text = found.layout, found.text
     (x, y), (dx, dy) = layout.starts, layout.steps
-    unit = f" in {layout.unit}" if layout.unit else ""
-    labels = (f"{layout.names[0]}{unit}", f"{layout.names[1]}{unit}")
-    figure, axes = plane(shown.title, labels, equal=True)
+    one, two = (
+        text("in_unit", label=name, unit=layout.unit) if layout.unit else name
+        for name in layout.names
+    )
+    figure, axes = plane(shown.title, (one, two), equal=True)
     # A figure exists only if matplotlib is installed.
     from matplotlib import colormaps
     from matplotlib.patches import Patch
@@ -159,10 +171,10 @@ def _picture(found: UploadedMap, shown: MapPicture, corner: Sequence[int], side:
     )  # fmt: skip
     if shown.pixels.ndim == 2:
         figure.colorbar(image, ax=axes, shrink=0.86, label=shown.unit)
-        grey = Patch(color=UNKNOWN, label="no value: hole, boundary or edge")
+        grey = Patch(color=UNKNOWN, label=text("no_value"))
         figure.legend(handles=[grey], loc="outside lower center", frameon=False)
     i, k = corner
     square = [at(i, k), at(i + side, k), at(i + side, k + side), at(i, k + side), at(i, k)]
     for color, width in ((EDGE, 4.0), (LINE, 1.8)):
         axes.plot(*zip(*square, strict=True), color=color, linewidth=width, gid="circuit")
-    return svg(figure)
+    return svg(figure, text.language)

@@ -10,6 +10,7 @@ import numpy as np
 
 from geomtorsion.errors import OrientationError
 from geomtorsion.loops import Loop
+from geomtorsion.materials.burgers import Burgers
 from geomtorsion.materials.fields import SampledFrame
 from geomtorsion.materials.images import LatticePhases
 from geomtorsion.materials.maps import LAUE_GROUPS, Circuit, OrientationMap
@@ -18,6 +19,7 @@ from geomtorsion.support.caching import cached_property
 from geomtorsion.teaching.exercises.worker_pool import Json
 from geomtorsion.teaching.lab.numbers import raised, table
 from geomtorsion.teaching.lab.settings import PAGE
+from geomtorsion.teaching.texts import ENGLISH, Texts, texts
 
 
 @dataclass(frozen=True)
@@ -53,6 +55,11 @@ class UploadedMap(Protocol):
     """A map or an image."""
 
     @property
+    def text(self) -> Texts:
+        """The texts of maps in the language of the page."""
+        ...
+
+    @property
     def layout(self) -> Layout:
         """Positions of its nodes."""
         ...
@@ -86,6 +93,7 @@ class UploadedFrame:
     """A sampled frame."""
 
     frame: SampledFrame
+    text: Texts
 
     @property
     def layout(self) -> Layout:
@@ -105,13 +113,15 @@ class UploadedFrame:
     @property
     def description(self) -> str:
         """Its nodes, its noise, its holes."""
-        samples = self.frame
-        noise = "unknown" if samples.sigma is None else samples.sigma_source
-        holes = f"; holes: {len(samples.holes)}" if samples.holes else ""
+        samples, text = self.frame, self.text
         sizes = " × ".join(str(len(axis)) for axis in samples.axes)
-        what = f"a sampled frame of {sizes} nodes; noise: {noise}{holes}"
-        more = "; circuits are in the middle of its other axes" if len(samples.axes) > 2 else ""
-        return what + more
+        source = "unknown" if samples.sigma is None else samples.sigma_source
+        parts = [text("frame", nodes=sizes), text("noise", source=text.named("sources", source))]
+        if samples.holes:
+            parts.append(text("holes", count=len(samples.holes)))
+        if len(samples.axes) > 2:
+            parts.append(text("middle"))
+        return "; ".join(parts)
 
     @property
     def settings(self) -> Json:
@@ -123,7 +133,7 @@ class UploadedFrame:
         cells = self.frame.burgers_map(side)
         middle = tuple(len(axis) // 2 for axis in self.frame.axes[2:])
         density = cells.per_area[(slice(None), slice(None), *middle)]
-        return _dense(density, self.layout, side, self.frame.vector_unit)
+        return _dense(density, self.layout, side, self.frame.vector_unit, self.text)
 
     def circuit(self, corner: Sequence[int], side: int) -> Json:
         """From x to y."""
@@ -135,10 +145,10 @@ class UploadedFrame:
         rest = [float(axis[len(axis) // 2]) for axis in samples.axes[2:]]
         corners = [(x0, y0), (x1, y0), (x1, y1), (x0, y1)]
         b = samples.burgers(Loop.polygon([[*point, *rest] for point in corners], name="square"))
-        remark = "" if samples.sigma is not None else "The noise of this map is unknown."
+        remark = "" if samples.sigma is not None else self.text("no_noise")
         error = b.systematic_error
         heads = [f"b{raised(k)}" for k in range(samples.rows)]
-        return _answer(b.vector, b.sigmas, heads, error, b.unit, b.significance, remark, side)
+        return _answer(b, heads, error, remark, side, self.text)
 
 
 @dataclass(frozen=True)
@@ -146,6 +156,7 @@ class UploadedOrientations:
     """An orientation map; colours show one phase, or all for 0."""
 
     map: OrientationMap
+    text: Texts
     phase: int = 0
 
     @property
@@ -165,8 +176,11 @@ class UploadedOrientations:
         rows, columns = self.map.shape
         phases = ", ".join(f"{one.name}: {one.laue}" for one in self.map.phases.values())
         count = self.map.grains.count
-        grains = f"{count} grain{'s' * (count != 1)} at {self.map.threshold:g}°"
-        return f"an orientation map of {rows} × {columns} pixels ({phases}), {grains}"
+        grains = self.text("grain") if count == 1 else self.text("grains", count=count)
+        return self.text(
+            "orientations", rows=rows, columns=columns, phases=phases, grains=grains,
+            angle=f"{self.map.threshold:g}",
+        )  # fmt: skip
 
     @property
     def settings(self) -> Json:
@@ -179,7 +193,7 @@ class UploadedOrientations:
         density = self.map.burgers_map(side).per_area
         if self.phase:
             density = np.where(self.phase == self.map.phase[:-side, :-side].T, density, np.nan)
-        return _dense(density, self.layout, side, self.map.unit)
+        return _dense(density, self.layout, side, self.map.unit, self.text)
 
     def circuit(self, corner: Sequence[int], side: int) -> Json:
         """Crystal axes, lengths in the unit of the map."""
@@ -190,12 +204,9 @@ class UploadedOrientations:
                 "Choose another centre, or a smaller side."
             )
         b = self.map.burgers(Circuit.square((row, column), side))
-        remark = (
-            f"Grain {b.grain}, {b.phase.name}. Components are along the axes of the crystal. The "
-            "interpolation error is far below the noise."
-        )
+        remark = self.text("crystal", grain=b.grain, phase=b.phase.name)
         heads = [f"b{raised(k)}" for k in range(3)]
-        return _answer(b.vector, b.sigmas, heads, None, b.unit, b.significance, remark, side)
+        return _answer(b, heads, None, remark, side, self.text)
 
 
 @dataclass(frozen=True, eq=False)
@@ -203,6 +214,7 @@ class UploadedImage:
     """An image of a lattice; lengths are in pixels."""
 
     phases: LatticePhases
+    text: Texts
 
     @property
     def layout(self) -> Layout:
@@ -220,10 +232,11 @@ class UploadedImage:
         """Its pixels, its lattice, its holes."""
         columns, rows = self.layout.shape
         lengths = np.hypot(*self.phases.lattice.T)
-        return (
-            f"an image of {columns} × {rows} pixels of a lattice with vectors of {lengths[0]:.4g} "
-            f"and {lengths[1]:.4g} pixels; {self.phases.holes.mean():.1%} of the area are holes"
-        )
+        first, second = (f"{length:.4g}" for length in lengths)
+        return self.text(
+            "image", columns=columns, rows=rows, first=first, second=second,
+            share=f"{self.phases.holes.mean():.1%}",
+        )  # fmt: skip
 
     @property
     def settings(self) -> Json:
@@ -249,7 +262,7 @@ class UploadedImage:
 
     def picture(self, side: int) -> MapPicture:
         """The image itself."""
-        return MapPicture(self._pixels, "the image; red: no lattice found")
+        return MapPicture(self._pixels, self.text("pixels_shown"))
 
     def circuit(self, corner: Sequence[int], side: int) -> Json:
         """Integer components, and the probability that noise has changed one."""
@@ -261,15 +274,17 @@ class UploadedImage:
             [f"b{raised(k)}", number(float(n)), *(number(float(f"{v:.4g}")) for v in vector)]
             for k, (n, vector) in enumerate(zip(b.whole.tolist(), b.lattice.tolist(), strict=True))
         ]
-        heads = ("", "whole number", "lattice vector: x", "lattice vector: y")
-        sentence = (
-            f"Circuit of {side} × {side} pixels: b = ({numbers}) in lattice vectors, exactly. "
-            f"Noise has changed a number with a probability of {b.chance:.1g}. "
-            f"|b| = {b.magnitude:.4g} pixels, error {b.error:.1g}."
-        )
+        heads = ("", *map(self.text, ("whole_number", "lattice_x", "lattice_y")))
         return {
-            "sentence": sentence,
-            "table": table(heads, rows, "Burgers vector of the circuit, in lattice vectors"),
+            "sentence": self.text(
+                "whole",
+                side=side,
+                b=numbers,
+                chance=f"{b.chance:.1g}",
+                size=f"{b.magnitude:.4g}",
+                error=f"{b.error:.1g}",
+            ),
+            "table": table(heads, rows, self.text("caption_lattice")),
             "b": b.whole.tolist(),
             "noise": [b.chance] * 2,
             "interpolation": b.error,
@@ -278,22 +293,27 @@ class UploadedImage:
 
 
 def uploaded(
-    found: SampledFrame | OrientationMap | LatticePhases, phase: int = 0
+    found: SampledFrame | OrientationMap | LatticePhases,
+    phase: int = 0,
+    language: str = ENGLISH,
 ) -> UploadedFrame | UploadedOrientations | UploadedImage:
     """The content of a file, in the form that the page needs."""
+    text = texts("figures", "maps", language)
     if isinstance(found, OrientationMap):
-        return UploadedOrientations(found, phase if phase in found.phases else 0)
-    return UploadedImage(found) if isinstance(found, LatticePhases) else UploadedFrame(found)
+        return UploadedOrientations(found, text, phase if phase in found.phases else 0)
+    if isinstance(found, LatticePhases):
+        return UploadedImage(found, text)
+    return UploadedFrame(found, text)
 
 
-def _dense(density: np.ndarray, layout: Layout, side: int, vectors: str) -> MapPicture:
+def _dense(density: np.ndarray, layout: Layout, side: int, vectors: str, text: Texts) -> MapPicture:
     """Values of circuits at the nodes in their centres."""
     whole = np.full(layout.shape, np.nan)
     half = side // 2
     whole[half : half + density.shape[0], half : half + density.shape[1]] = density
     # Pixels follow increasing coordinates, also where an axis descends.
     turned = whole[:: int(np.sign(layout.steps[0])), :: int(np.sign(layout.steps[1]))]
-    title = f"|b| per area, circuits of {side} × {side} cells"
+    title = text("density", side=side)
     return MapPicture(turned.T, title, side, density_unit(vectors, layout.unit))
 
 
@@ -311,42 +331,43 @@ def density_unit(vectors: str, lengths: str) -> str:
 
 
 def _answer(
-    vector: np.ndarray,
-    noise: np.ndarray,
+    b: Burgers,
     heads: Sequence[str],
     interpolation: float | None,
-    unit: str,
-    significance: float,
     remark: str,
     side: int,
+    text: Texts,
 ) -> Json:
     """A Burgers vector with its errors, component by component, in words and as a table.
 
-    interpolation: of the largest component, None if it is far below the noise. significance:
-    ratio of |b| to its errors. remark: a further sentence.
+    interpolation: error of the largest component, None if it is far below the noise. remark: a
+    further sentence.
     """
-    behind = f" {unit}" if unit else ""
-    size, most = float(np.linalg.norm(vector)), float(np.max(noise))
-    text = f"Circuit of {side} × {side} cells: |b| = {size:.4g}{behind}"
-    text += f"; noise {most:.1e}{behind} in the noisiest component"
-    if interpolation is not None:
-        text += f", interpolation {interpolation:.1e}{behind}"
-    if np.isfinite(significance):
-        # With noise only, |b| / sigma is the square root of the number of components.
-        alone = len(vector) ** 0.5
-        times = number(float(f"{significance:.3g}"))
-        text += f". |b| is {times} times its error; pure noise would give about {alone:.1f} times"
+    behind = f" {b.unit}" if b.unit else ""
+    size, most = float(np.linalg.norm(b.vector)), float(np.max(b.sigmas))
+    values = {"side": side, "size": f"{size:.4g}{behind}", "noise": f"{most:.1e}{behind}"}
     error = "–" if interpolation is None else f"{interpolation:.1e}"
+    if interpolation is None:
+        sentences = [text("circuit", **values)]
+    else:
+        sentences = [text("circuit_grid", **values, interpolation=f"{error}{behind}")]
+    if np.isfinite(b.significance):
+        # With noise only, |b| / sigma is the square root of the number of components.
+        pure = f"{len(b.vector) ** 0.5:.1f}"
+        times = number(float(f"{b.significance:.3g}"))
+        sentences.append(text("significance", times=times, pure=pure))
+    if remark:
+        sentences.append(remark)
     rows = [
         [head, number(float(f"{value:.5g}")), f"{sigma:.1e}", error]
-        for head, value, sigma in zip(heads, vector.tolist(), noise.tolist(), strict=True)
+        for head, value, sigma in zip(heads, b.vector.tolist(), b.sigmas.tolist(), strict=True)
     ]
-    caption = f"Burgers vector of the circuit{f' in {unit}' if unit else ''}"
+    caption = text("caption_unit", unit=b.unit) if b.unit else text("caption")
     return {
-        "sentence": f"{text}. {remark}".rstrip(),
-        "table": table(("", "b", "noise", "interpolation"), rows, caption),
-        "b": vector.tolist(),
-        "noise": noise.tolist(),
+        "sentence": " ".join(sentences),
+        "table": table(("", "b", text("head_noise"), text("head_error")), rows, caption),
+        "b": b.vector.tolist(),
+        "noise": b.sigmas.tolist(),
         "interpolation": interpolation,
-        "unit": unit,
+        "unit": b.unit,
     }

@@ -295,12 +295,16 @@ def _(guides, language, map_upload, mo, opened, views):
 
 
 @app.cell
-def _(map_upload, mo, runner):
+def _(language, map_upload, mo, runner):
     # Only the worker reads the file.
     mo.stop(not map_upload.value)
-    map_file = map_upload.value[0]
-    map_facts = runner.ask("map_facts", map_file.contents, name=map_file.name)
-    return map_facts, map_file
+    _file = map_upload.value[0]
+
+    def ask_map(task, **options):
+        return runner.ask(task, _file.contents, name=_file.name, language=language, **options)
+
+    map_facts = ask_map("map_facts")
+    return ask_map, map_facts
 
 
 @app.cell
@@ -317,14 +321,11 @@ def _(controls, language, map_facts, map_measure, mo):
 
 
 @app.cell
-def _(
-    guides, map_facts, map_file, map_measure, map_places, map_settings, mo, runner, opened, views
-):
+def _(ask_map, guides, map_facts, map_measure, map_places, map_settings, mo, opened, views):
     mo.stop(opened != guides.LOOPS)
     map_state = map_facts
     if map_settings.value:
-        _chosen = map_settings.value
-        map_state = runner.ask("map_facts", map_file.contents, name=map_file.name, **_chosen)
+        map_state = ask_map("map_facts", **map_settings.value)
     _controls = [*map_settings.values(), map_measure, *map_places.values()]
     _shown = views.map_description(map_state)
     _shown += views.controls(_controls if map_places.value else [], "measured")
@@ -334,24 +335,23 @@ def _(
 
 @app.cell
 def _(
+    ask_map,
     controls,
     guides,
     language,
     map_facts,
-    map_file,
     map_measure,
     map_places,
     map_settings,
     map_state,
     mo,
     opened,
-    runner,
     views,
 ):
     # A cell above has already reported why the file cannot be read with these settings.
     mo.stop(opened != guides.LOOPS or not map_places.value or "problem" in map_state)
     _case = controls.map_case(map_facts, map_places.value, map_measure.value) | map_settings.value
-    map_reply = runner.ask("map_circuit", map_file.contents, name=map_file.name, **_case)
+    map_reply = ask_map("map_circuit", **_case)
     mo.Html(views.of_tab(opened, views.map_circuit(map_reply, language), result=False))
     return
 

@@ -84,7 +84,8 @@ def _drawn(pair: Pair, text: Texts) -> Json:
         places = places_of(pair)
         radius = _radius(places) if embedding.isometric else 0.0
         scene = Film(
-            name, _title(embedding.title, text), _three(embedding.axes), curves_of(pair, text),
+            name, text.named("drawn", embedding.title), _three(embedding.axes),
+            curves_of(pair, text),
             times=times_of(pair), globe=radius, equal=embedding.isometric, language=text.language,
         )  # fmt: skip
         return in_space(scene)
@@ -116,16 +117,6 @@ def places_of(pair: Pair) -> dict[str, np.ndarray]:
         curve: pair.embedding.places(points, pair.parameters)
         for curve, points in pair.coordinates.items()
     }
-
-
-def _title(title: str, text: Texts) -> str:
-    """The title of an embedding in the language of the page, if it has one.
-
-    >>> _title("on the sphere", texts("figures", "paths", "de"))
-    'Auf der Kugel'
-    """
-    key = f"drawn.{title}"
-    return text(key) if key in text else title
 
 
 def _three(names: Sequence[str]) -> tuple[str, str, str]:

@@ -6,15 +6,20 @@ import html
 import re
 import tomllib
 from collections.abc import Iterator
+from pathlib import Path
 from typing import Any
 from zlib import crc32
 
+import numpy as np
 import pytest
 
+from geomtorsion import SampledFrame
 from geomtorsion.teaching.lab.closure_failure import closure_failure
 from geomtorsion.teaching.lab.costs import costs
+from geomtorsion.teaching.lab.map_circuits import map_circuit, map_facts
 from geomtorsion.teaching.lab.space_info import space_info
 from geomtorsion.teaching.texts import FOLDER, placeholders
+from tests.teaching.lab.maps import atoms, saved, twisted, wall_ctf
 
 
 def wordless(entry: Any) -> Any:
@@ -96,3 +101,35 @@ def test_advice_about_costs(blank: str, kind: str, case: dict[str, Any]):
     assert german["advice"].startswith("Nimm ")
     assert " dieser Zeit. " in german["advice"]
     assert german["truth"].startswith(("ein", "die "))
+
+
+def test_sentences_below_a_map(blank: str, tmp_path: Path):
+    """Frames with and without noise, holes and a third axis; grains; a lattice image."""
+    axes = [np.arange(8.0), np.arange(9.0), np.arange(7.0)]
+    x, y, z = np.meshgrid(*axes, indexing="ij")
+    volume = SampledFrame(axes, np.array([[-y * z, x * z, 0 * z]]) / 2)
+    noisy = SampledFrame([axes[0], axes[1]], np.array([[-y[..., 0], x[..., 0]]]) / 2, sigma=0.1)
+    for content in (
+        *(saved(frame, tmp_path, ".npz") for frame in (twisted(hole=True), volume, noisy)),
+        wall_ctf(), atoms(".npy"),
+    ):  # fmt: skip
+        facts = map_facts(content, "a", language=blank)
+        reply = map_circuit(content, "a", facts["middle"], facts["least"], language=blank)
+        drawn = re.findall(r">([^<>]*)</text>", reply["picture"])
+        found = words(facts["sentence"]) | words(drawn)
+        assert found | words(reply.get("sentence")) | words(reply.get("table")) <= {
+            "Nickel", "None",
+        }  # fmt: skip
+
+
+def test_german_sentences_below_a_map():
+    """A map of one grain and of two, and the circuit across the wall."""
+    content = wall_ctf()
+    one, two = (map_facts(content, "a.ctf", x, language="de")["sentence"] for x in (5.0, 1.0))
+    assert (
+        one == "a.ctf ist eine Orientierungskarte mit 20 × 24 Pixeln (Nickel: m-3m), 1 Korn bei 5°."
+    )
+    assert "2 Körner bei 1°" in two
+    said = map_circuit(content, "a.ctf", [12, 10], 6, language="de")["sentence"]
+    assert said.startswith("Umlauf von 6 × 6 Zellen: |b| = ")
+    assert "Korn 0, Nickel." in said

@@ -12,6 +12,7 @@ from collections.abc import Iterator
 from math import radians, sin
 from pathlib import Path
 from typing import Any
+from urllib.error import HTTPError
 
 import numpy as np
 import pytest
@@ -210,9 +211,10 @@ def test_a_session_gives_good_maps_and_bad_ones(tmp_path: Path, address: str):
                 await session.shown(words)
                 assert not any("<b>x</b>" in text for text in session.outputs.values())
                 assert not any("Traceback" in text for text in session.outputs.values())
-            # Values that no browser sends are ignored.
+            # Values that no browser sends are refused.
             for odd in (5, [["a", "no base64"]], [[1, 2]], [[]]):
-                await session.set(field, odd)
+                with pytest.raises(HTTPError, match="422"):
+                    await session.set(field, odd)
             await give(session, field, "atoms.png", atoms(".png"))
             await session.shown("atoms.png is an image of 256 × 256 pixels")
             seen["whole"] = (await session.shown(r"b = \(([0-9−, ]+)\) in lattice vectors"))[1]
