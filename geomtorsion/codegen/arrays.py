@@ -343,22 +343,7 @@ class _Analysis:
             return self._of_sum(step)
         inner = [self.errors[operand] for operand in operands]
         if kind in ("product", "quotient", "square"):
-            if kind == "square":
-                inner, operands = inner * 2, operands * 2
-            exact = any(self._is_power_of_two(operand) for operand in operands)
-            roundings = sum(error.roundings for error in inner) + (0 if exact else 1)
-            parts = []
-            for error, partner, own in zip(inner, reversed(operands), operands, strict=True):
-                if error.rest is None:
-                    continue
-                if kind != "quotient":
-                    parts.append(self.builder.product(error.rest, self._size(partner)))
-                elif own == operands[0]:
-                    parts.append(self.builder.quotient(error.rest, self._size(operands[1])))
-                if kind == "quotient" and own == operands[1]:
-                    part = self.builder.quotient(error.rest, self._size(own))
-                    parts.append(self.builder.product(part, self._size(place)))
-            return _Error(roundings, self._total(parts) if parts else None)
+            return self._of_product(place, kind, operands * 2 if kind == "square" else operands)
         if kind == "root":
             (error,) = inner
             roundings = -(-error.roundings // step.detail) + (
@@ -370,6 +355,20 @@ class _Analysis:
             return _Error(roundings, self.builder.product(part, self._size(place)))
         return self._of_call(place, step, inner)
 
+    def _of_product(self, place: int, kind: str, operands: Sequence[int]) -> _Error:
+        """Roundings add; |a b| moves by |b| for a and |a| for b, |a/b| by 1/|b| and |a/b|/|b|."""
+        one, other = (self.errors[operand] for operand in operands)
+        exact = any(self._is_power_of_two(operand) for operand in operands)
+        roundings = one.roundings + other.roundings + (0 if exact else 1)
+        builder, (above, below) = self.builder, operands
+        is_quotient = kind == "quotient"
+        write = builder.quotient if is_quotient else builder.product
+        pairs = ((one.rest, below), (other.rest, below if is_quotient else above))
+        parts = [write(rest, self._size(k)) for rest, k in pairs if rest is not None]
+        if is_quotient and other.rest is not None:
+            parts[-1] = builder.product(parts[-1], self._size(place))
+        return self._bound(roundings, parts)
+
     def _of_sum(self, step: Step) -> _Error:
         inner = [self.errors[place] for place in step.operands]
         signs = {s * self.signs[place] for s, place in zip(step.signs, step.operands, strict=True)}
@@ -377,13 +376,13 @@ class _Analysis:
         parts = [error.rest for error in inner if error.rest is not None]
         if len(signs) == 1 and 0 not in signs:
             most = max(error.roundings for error in inner) + adding
-            return _Error(most, self._total(parts) if parts else None)
+            return self._bound(most, parts)
         # The last addition rounds the sum itself, those before it what may be larger.
         before = adding - 1
         for error, place in zip(inner, step.operands, strict=True):
             if error.roundings + before:
                 parts.append(self._times(error.roundings + before, self._size(place)))
-        return _Error(1, self._total(parts) if parts else None)
+        return self._bound(1, parts)
 
     def _of_call(self, place: int, step: Step, inner: Sequence[_Error]) -> _Error:
         name = step.detail
@@ -391,7 +390,7 @@ class _Analysis:
             return _Error(0)
         if name in ("Max", "Min"):
             parts = [self.absolute(p) for p in step.operands if self.errors[p] != _Error(0)]
-            return _Error(0, self._total(parts) if parts else None)
+            return self._bound(0, parts)
         parts = []
         try:
             slopes = self.forward.partials(place, step)
@@ -403,7 +402,7 @@ class _Analysis:
                 slope = self._size(slopes[k][1])
                 parts.append(self.builder.product(slope, self.absolute(operand)))
         most = max(error.roundings for error in inner) if not slopes else 0
-        return _Error(most + _roundings_of(name), self._total(parts) if parts else None)
+        return self._bound(most + _roundings_of(name), parts)
 
     # -- writing ---------------------------------------------------------------------------------
 
@@ -418,6 +417,10 @@ class _Analysis:
 
     def _times(self, factor: int, place: int) -> int:
         return place if factor == 1 else self.builder.product(self._number(factor), place)
+
+    def _bound(self, roundings: int, parts: Sequence[int]) -> _Error:
+        """So many roundings and the sum of further errors, if there are any."""
+        return _Error(roundings, self._total(parts) if parts else None)
 
     def _total(self, places: Sequence[int]) -> int:
         return (

@@ -20,6 +20,12 @@ MANY_QUOTIENTS = 6
 # Further functions that occur in slopes of special functions.
 _EVERYDAY = (sympy.exp, sympy.log, sympy.sin, sympy.cos, sympy.sinh, sympy.cosh)
 
+# Functions whose derivative is another function, with a sign.
+_SLOPES = {
+    "sin": ("cos", 1), "cos": ("sin", -1), "sinh": ("cosh", 1), "cosh": ("sinh", 1),
+    "Abs": ("sign", 1),
+}  # fmt: skip
+
 # Sign and position of a step.
 Signed = tuple[int, int]
 
@@ -298,11 +304,9 @@ class Forward:
         if name in ("sign", "floor", "ceiling"):
             return {}
         square = self.builder.product(first, first)
-        if name in ("sin", "sinh"):
-            return self._scaled(inner[0], self._call("cos" if name == "sin" else "cosh", first))
-        if name in ("cos", "cosh"):
-            partner = self._call("sin" if name == "cos" else "sinh", first)
-            return self._scaled(inner[0], partner, -1 if name == "cos" else 1)
+        if name in _SLOPES:
+            slope, sign = _SLOPES[name]
+            return self._scaled(inner[0], self._call(slope, first), sign)
         if name in ("tan", "tanh"):
             sign = 1 if name == "tan" else -1
             return self._scaled(inner[0], self._plus_one(self.builder.product(place, place), sign))
@@ -318,8 +322,6 @@ class Forward:
                 below = self.builder.total([(1, square), (-1, self._one)])[1]
             root = self.builder.root(below, 2)
             return self._divided(inner[0], root, -1 if name == "acos" else 1)
-        if name == "Abs":
-            return self._scaled(inner[0], self._call("sign", first))
         if name in VALUES:
             return self._of_special(name, operands, inner)
         raise ExpressionError(f"{name} has no derivative here; write it in other functions")

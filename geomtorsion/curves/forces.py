@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import partial
+from typing import TypeAlias
 
 import sympy as sp
 from sympy.core.function import AppliedUndef
@@ -25,6 +26,8 @@ FORCE = "force of the problem"
 POTENTIAL = "force of a potential"
 # Names of the curve parameter in a force: the first that no coordinate or parameter has.
 TIMES = ("t", "tau", "lambda_")
+# Places in a message and expressions.
+Row: TypeAlias = list[tuple[str, sp.Expr]]
 
 
 @dataclass(frozen=True, eq=False)
@@ -263,35 +266,19 @@ def forced(
     ArgumentError
         A name is empty, occurs twice, or is an effect of the law.
     """
-    given = [(*one, False) for one in _by_name(force, "force")]
-    given += [(*one, True) for one in _by_name(potential, "potential")]
-    if not given:
+    named = _by_name(law, force, potential)
+    if not named:
         return law
-    taken = [*law.effects, *(name for name, _, _ in given)]
-    for name in taken:
-        if taken.count(name) > 1:
-            raise ArgumentError(
-                f"force, potential: expected different names, got {checks.shown(name)} twice. "
-                f"{', '.join(law.effects) or 'Nothing'} is a name of the law."
-            )
     frame = connection if isinstance(connection, Frame) else connection.frame
     setting = _setting(frame, parameters)
-    entries = [
-        [setting.read(name, value, moving=False)] if height else _components(setting, name, value)
-        for name, value, height in given
-    ]
-    entries = _one_symbol_each(entries)
-    over, own, clock = setting.field(x for row in entries for x in row)
+    rows = _one_symbol_each([_components(setting, *one) for one in named])
+    over, own, clock = setting.field(x for row in rows for _, x in row)
     projection = _Projection(law, connection, over)
-    ticks = {
-        x: CLOCK * x for row in entries for y in row for x in y.free_symbols if x.name == clock
-    }
     forces = []
-    for (name, _, height), row in zip(given, entries, strict=True):
-        places = [name] if height else [f"{name}[{k}]" for k in range(len(row))]
-        pairs = [(place, x.xreplace(ticks)) for place, x in zip(places, row, strict=True)]
+    for (name, _, is_potential), row in zip(named, rows, strict=True):
+        pairs = [(place, _on_clock(x, clock)) for place, x in row]
         values = frame.read(pairs) if over is frame.field else _read(over, pairs, setting)
-        make = projection.of_potential if height else projection.of_force
+        make = projection.of_potential if is_potential else projection.of_force
         forces.append(make(name, values, setting.velocities))
     edges = () if over is frame.field else tuple(_edges(over, frame))
     return Forced(law, frame, tuple(forces), over, own, clock, edges)
@@ -342,33 +329,50 @@ def _read(
     return values
 
 
-def _one_symbol_each(entries: Sequence[Sequence[sp.Expr]]) -> list[list[sp.Expr]]:
+def _one_symbol_each(rows: Sequence[Row]) -> list[Row]:
     """Expressions where each name is one symbol: the declared one, if there is one."""
     table: dict[str, sp.Symbol] = {}
-    every = {x for row in entries for one in row for x in one.free_symbols}
+    every = {x for row in rows for _, one in row for x in one.free_symbols}
     for symbol in sorted(every, key=sp.srepr):
         if table.get(symbol.name) in (None, sp.Symbol(symbol.name, real=True)):
             table[symbol.name] = symbol
     twins = {x: table[x.name] for x in every}
-    return [[one.xreplace(twins) for one in row] for row in entries]
+    return [[(place, one.xreplace(twins)) for place, one in row] for row in rows]
 
 
-def _by_name(values: object, what: str) -> list[tuple[str, object]]:
-    """Names and values: of a mapping, or of one value, whose name is what it is."""
-    if values is None:
-        return []
-    if not isinstance(values, Mapping):
-        return [(what, values)]
-    return [
-        (checks.text(name, f"name of a {what}", ArgumentError), x) for name, x in values.items()
-    ]
+def _on_clock(expr: sp.Expr, clock: str) -> sp.Expr:
+    """An expression whose curve parameter is read off the clock of the motion."""
+    return expr.xreplace({x: CLOCK * x for x in expr.free_symbols if x.name == clock})
 
 
-def _components(setting: _Setting, name: str, force: object) -> list[sp.Expr]:
-    """The components F_k of a force."""
-    entries = checks.entries(force, name, ShapeError)
+def _by_name(law: Law, force: object, potential: object) -> list[tuple[str, object, bool]]:
+    """Names, values and whether they are potentials; a value without name has its kind's name."""
+    named: list[tuple[str, object, bool]] = []
+    for values, kind in ((force, "force"), (potential, "potential")):
+        if isinstance(values, Mapping):
+            names = [checks.text(name, f"name of a {kind}", ArgumentError) for name in values]
+            pairs = zip(names, values.values(), strict=True)
+        else:
+            pairs = [] if values is None else [(kind, values)]
+        named += [(name, value, kind == "potential") for name, value in pairs]
+    taken = [*law.effects, *(name for name, _, _ in named)]
+    for name in taken:
+        if taken.count(name) > 1:
+            raise ArgumentError(
+                f"force, potential: expected different names, got {checks.shown(name)} twice. "
+                f"{', '.join(law.effects) or 'Nothing'} is a name of the law."
+            )
+    return named
+
+
+def _components(setting: _Setting, name: str, value: object, is_potential: bool) -> Row:
+    """Places in a message and expressions: of a potential, or of the components F_k of a force."""
+    if is_potential:
+        return [(name, setting.read(name, value, moving=False))]
+    entries = checks.entries(value, name, ShapeError)
     checks.check_one_each(entries, setting.frame.dimension, "legs", name, ShapeError)
-    return [setting.read(f"{name}[{k}]", value, moving=True) for k, value in enumerate(entries)]
+    places = [f"{name}[{k}]" for k in range(len(entries))]
+    return [(p, setting.read(p, x, moving=True)) for p, x in zip(places, entries, strict=True)]
 
 
 @dataclass(frozen=True, eq=False)

@@ -392,10 +392,7 @@ class Tower(ABC):
             if coefficient != 1:
                 num = -num if coefficient == -1 else num * as_fmpq(coefficient)
             # Terms over one denominator are added first: only their sums are multiplied up.
-            if den in groups:
-                groups[den].append(num)
-            else:
-                groups[den] = [num]
+            groups.setdefault(den, []).append(num)
         if not groups:
             return self.zero
         if len(groups) == 1:

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import replace
 from functools import partial
+from itertools import product
 
 import sympy as sp
 
@@ -231,19 +232,7 @@ def _adapted(frame: Frame, constraints: list[Row]) -> tuple[Frame, tuple[int, ..
     ]
     vectors += [{r: field.one} for r in solved]
     duals: list[Row] = [{f: field.one} for f in free] + list(solved.values())
-    pairs = [(i, j) for i in range(n) for j in range(n)]
-    products = {(i, j): _product(frame.metric, vectors[i], vectors[j]) for i, j in pairs}
-    products = {pair: value for pair, value in products.items() if not value.is_zero}
-    squares = completed_squares(field, products, n, leading=len(free))
-    forms = []
-    leading = [squares[place] for place in range(len(free))]
-    for square, form in leading:
-        if not field.sample.is_positive(square):
-            every = [x for x, _ in leading if x is not square]
-            raise _not_positive(frame, f"a velocity of square {square}", [*every, square])
-        length = field.root(square, 2)
-        terms = [(mu, (1, length, x, y)) for i, x in form.items() for mu, y in duals[i].items()]
-        forms.append([field.sum([term for mu, term in terms if mu == nu]) for nu in range(n)])
+    forms = _permitted_forms(frame, vectors, duals, len(free))
     normal, signs = _normalised(frame, constraints)
     adapted = Frame(
         frame.coordinates,
@@ -254,6 +243,27 @@ def _adapted(frame: Frame, constraints: list[Row]) -> tuple[Frame, tuple[int, ..
         name=frame.name,
     )
     return adapted, tuple(range(len(free)))
+
+
+def _permitted_forms(
+    frame: Frame, vectors: Sequence[Row], duals: Sequence[Row], leading: int
+) -> list[list[Element]]:
+    """Orthonormal one-forms of the span of the first vectors, in coordinates; duals: of all."""
+    field, n = frame.field, frame.dimension
+    pairs = product(range(n), repeat=2)
+    products = {(i, j): _product(frame.metric, vectors[i], vectors[j]) for i, j in pairs}
+    products = {pair: value for pair, value in products.items() if not value.is_zero}
+    completed = completed_squares(field, products, n, leading=leading)
+    squares = [completed[place] for place in range(leading)]
+    forms = []
+    for square, form in squares:
+        if not field.sample.is_positive(square):
+            every = [x for x, _ in squares if x is not square]
+            raise _not_positive(frame, f"a velocity of square {square}", [*every, square])
+        length = field.root(square, 2)
+        terms = [(mu, (1, length, x, y)) for i, x in form.items() for mu, y in duals[i].items()]
+        forms.append([field.sum([term for mu, term in terms if mu == nu]) for nu in range(n)])
+    return forms
 
 
 def _product(metric: Tensor, one: Row, two: Row) -> Element:

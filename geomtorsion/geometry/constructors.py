@@ -119,19 +119,10 @@ def substituted(frame: Frame, put: Substitution) -> Frame:
         (f"{shape}[{i}, {j}]", frame.given[shape].get((i, j))) for i in range(n) for j in range(n)
     ]
     flat = [sp.S.Zero if x is None else put.value(x.sympy, where) for where, x in entries]
-    domain = []
-    for relation in frame.domain:
-        replaced = put(relation)
-        if replaced == sp.false:
-            raise CoordinateError(
-                f"{put}: expected values inside the domain of the frame, got values that violate "
-                f"{relation}. Give other values."
-            )
-        domain += [] if replaced == sp.true else [replaced]
     roots = {put(root): put(value) for root, value in frame.field.chosen.items()}
     arguments = keywords(frame, shape) | {
         "parameters": [one for one in frame.parameters if one not in put.symbols],
-        "domain": domain,
+        "domain": _substituted_domain(frame, put),
         # A root that the substitution removed has no branch.
         "branches": {k: value for k, value in roots.items() if isinstance(k, sp.Pow | sp.Abs)},
     }
@@ -144,6 +135,18 @@ def substituted(frame: Frame, put: Substitution) -> Frame:
     # A quantity that became a number needs no name.
     names = {x: q for x, q in names.items() if q.free_symbols and not q.has(*INFINITE)}
     return replaced.named(**names) if names else replaced
+
+
+def _substituted_domain(frame: Frame, put: Substitution) -> list[sp.Basic]:
+    """The conditions of a domain with other values, without those that always hold."""
+    domain = {relation: put(relation) for relation in frame.domain}
+    for relation, replaced in domain.items():
+        if replaced == sp.false:
+            raise CoordinateError(
+                f"{put}: expected values inside the domain of the frame, got values that violate "
+                f"{relation}. Give other values."
+            )
+    return [replaced for replaced in domain.values() if replaced != sp.true]
 
 
 @derived

@@ -5,6 +5,7 @@ from __future__ import annotations
 import time
 from collections.abc import Sequence
 from functools import partial
+from itertools import chain
 
 import numpy as np
 
@@ -153,15 +154,15 @@ def burgers_vector(
         _chosen(part, *pair, accuracy) if only_lines or not cuts else _near_pole(part, *pair)
         for part, pair, cuts in zip(loop.parts, pairs, near, strict=True)
     ]
-    power = 2 if all(route.power == 2 for route, _, _ in chosen) else 1
-    picked = [route for route, _, _ in chosen]
+    routes, verdicts, reasons = zip(*chosen, strict=True)
+    power = min(route.power for route in routes)
     with np.errstate(over="ignore", invalid="ignore"):
         # Loops beyond 1e154 have vectors beyond all doubles; `numbers` has them.
-        reduced, error = _total(loop, picked, power)
+        reduced, error = _total(loop, routes, power)
         if error == 0 and compiled.curl is not None:
             # Samples that are zero do not show that the torsion is.
             error = hidden_flux(frame, loop.parts, parameters) / loop.size**power
-        check = _check(loop, pairs, [agrees for _, agrees, _ in chosen])
+        check = _check(loop, pairs, verdicts)
     return BurgersVector(
         frame=frame,
         loop=loop,
@@ -169,11 +170,11 @@ def burgers_vector(
         reduced_error=error,
         size=loop.size,
         power=power,
-        route=" and ".join(sorted({_name(route) for route in picked}, reverse=True)),
-        reason="; ".join(dict.fromkeys(why for _, _, why in chosen)),
+        route=" and ".join(sorted({_name(route) for route in routes}, reverse=True)),
+        reason="; ".join(dict.fromkeys(reasons)),
         check=check,
         accuracy=accuracy,
-        evaluations=sum(route.points for pair in pairs for route in pair if route is not None),
+        evaluations=sum(route.points for route in chain(*pairs) if route is not None),
         seconds=time.perf_counter() - start,
         parameters={str(key): value for key, value in (parameters or {}).items()},
     )

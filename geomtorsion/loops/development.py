@@ -5,6 +5,7 @@ from __future__ import annotations
 import time
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
+from functools import cached_property
 from typing import ClassVar
 
 import numpy as np
@@ -70,11 +71,16 @@ def back_by(form: AffineForm, start: np.ndarray, gap: np.ndarray) -> AffineMap:
     return AffineMap.of(turn, np.zeros(len(start)))
 
 
-def _doubtful(form: AffineForm, part: Part) -> bool:
-    """Whether a part comes so near to a pole of unknown shape that it may or may not be inside."""
-    if not refuse_poles(form.poles, part):
-        return False
-    return not lines_alone(form.connection.frame, form.poles, form.connection)
+def _cone(form: AffineForm, part: Part, accuracy: float) -> Transported | None:
+    """The development by the cone; None if the part has a gap or the cone is not smooth.
+
+    Near a pole of unknown shape, which may or may not be inside, no cone is used.
+    """
+    frame, poles = form.connection.frame, form.poles
+    if part.gap or (refuse_poles(poles, part) and not lines_alone(frame, poles, form.connection)):
+        return None
+    cone = around_cone(form, part, accuracy)
+    return None if cone is None else repeated(cone, part.times)
 
 
 def repeated(once: Transported, times: int) -> Transported:
@@ -103,17 +109,36 @@ def joined(parts: Sequence[Transported]) -> Transported:
     return total
 
 
-def agree(line: Transported, cone: Transported) -> bool:
-    """Whether both routes give the same motion within their errors."""
-    difference = np.abs(line.motion.increment - cone.motion.increment)
-    shift = float(difference[:-1, -1].max()) <= DISAGREE * (line.error + cone.error)
-    turn = float(difference[:-1, :-1].max()) <= DISAGREE * (line.turn_error + cone.turn_error)
-    return shift and turn
+@dataclass(frozen=True, eq=False)
+class _Routes:
+    """One part of a loop by both routes; cone is None where only the line is used."""
 
+    line: Transported
+    cone: Transported | None
 
-def better(cone: Transported, line: Transported) -> bool:
-    """Whether the cone has the smaller error of the translation."""
-    return cone.error <= line.error
+    @cached_property
+    def agree(self) -> bool | None:
+        """Whether both give the same motion within their errors; None without a cone."""
+        line, cone = self.line, self.cone
+        if cone is None:
+            return None
+        difference = np.abs(line.motion.increment - cone.motion.increment)
+        shift = float(difference[:-1, -1].max()) <= DISAGREE * (line.error + cone.error)
+        turn = float(difference[:-1, :-1].max()) <= DISAGREE * (line.turn_error + cone.turn_error)
+        return shift and turn
+
+    @property
+    def chosen(self) -> tuple[str, Transported]:
+        """The cone if both agree and its translation is no less accurate, otherwise the line."""
+        cone = self.cone
+        if cone is not None and self.agree and cone.error <= self.line.error:
+            return "cone", cone
+        return "line", self.line
+
+    @property
+    def points(self) -> int:
+        """Points of both routes."""
+        return self.line.points + (0 if self.cone is None else self.cone.points)
 
 
 @dataclass(frozen=True, eq=False)
@@ -273,49 +298,34 @@ def develop(
     form = AffineForm(connection, parameters)
     lines = [repeated(along_line(form, part, accuracy), part.times) for part in loop.parts]
     refuse_outside(frame, loop.parts, parameters)
-    cones = [
-        None if part.gap or _doubtful(form, part) else around_cone(form, part, accuracy)
-        for part in loop.parts
-    ]
-    cones = [
-        None if cone is None else repeated(cone, part.times)
-        for cone, part in zip(cones, loop.parts, strict=True)
-    ]
-    agrees = [
-        None if cone is None else agree(line, cone) for line, cone in zip(lines, cones, strict=True)
-    ]
-    chosen = [
-        cone if cone is not None and fits and better(cone, line) else line
-        for line, cone, fits in zip(lines, cones, agrees, strict=True)
+    routes = [
+        _Routes(line, _cone(form, part, accuracy))
+        for line, part in zip(lines, loop.parts, strict=True)
     ]
     enclosed: tuple[EnclosedDefect, ...] = ()
-    if defects is not None or not all(agrees):
+    if defects is not None or not all(one.agree for one in routes):
         enclosed = enclosed_defects(frame, loop, parameters, defects=defects, connection=connection)
-    routes = ["cone" if one is cone else "line" for one, cone in zip(chosen, cones, strict=True)]
+    names, chosen = zip(*(one.chosen for one in routes), strict=True)
     total = joined(chosen)
-    check = _check(lines, cones, agrees, enclosed)
+    check = _check(routes, enclosed)
     if loop.gap.any():
         check = replace(
             check, text="the loop closes modulo periods and bounds no cone: only the line"
         )
     return Development(
         connection, loop, total.motion, total.error, total.turn_error,
-        " and ".join(sorted(set(routes), reverse=True)), check, enclosed,
-        sum(one.points for one in (*lines, *cones) if one is not None),
+        " and ".join(sorted(set(names), reverse=True)), check, enclosed,
+        sum(one.points for one in routes),
         time.perf_counter() - start, {str(key): x for key, x in (parameters or {}).items()},
     )  # fmt: skip
 
 
-def _check(
-    lines: Sequence[Transported],
-    cones: Sequence[Transported | None],
-    agrees: Sequence[bool | None],
-    enclosed: tuple[EnclosedDefect, ...],
-) -> RouteCheck:
+def _check(routes: Sequence[_Routes], enclosed: tuple[EnclosedDefect, ...]) -> RouteCheck:
     """The comparison of both routes over the whole loop, in words."""
-    line = joined(lines).motion
-    present = [cone for cone in cones if cone is not None]
-    cone = joined(present).motion if len(present) == len(cones) else None
+    line = joined([one.line for one in routes]).motion
+    present = [one.cone for one in routes if one.cone is not None]
+    cone = joined(present).motion if len(present) == len(routes) else None
+    agrees = [one.agree for one in routes]
     places = "; ".join(str(one) for one in enclosed)
     if all(agrees):
         text = "line integral and cone over the loop agree"

@@ -138,17 +138,11 @@ def map(
         slice=slice,
     )
     path = Path(source)
+    layout = Blocks(blocks, steps, unit, workers, resume, overwrite)
     if blocks is not None or resume or is_array(path):
-        layout = Blocks(blocks, steps, unit, 1 if workers is None else workers, resume, overwrite)
         _in_blocks(path, reading, layout, size, plane, output, pictures, form, circle=circle)
         return
-    refuse = {"--steps": steps, "--unit": unit or None, "--workers": workers}
-    refuse |= {"--overwrite": overwrite or None}
-    for name, value in refuse.items():
-        if value is not None:
-            raise GridError(
-                f"{name}: expected a map in blocks, got one without. Omit it, or give --blocks."
-            )
+    layout.refuse()
     with bar(f"{path.name}: reading", 2) as show:
         field = opened(source, reading)
         if show is not None:
@@ -186,9 +180,19 @@ class Blocks:
     block: int | None
     steps: str | None
     unit: str
-    workers: int
+    workers: int | None
     resume: bool
     overwrite: bool
+
+    def refuse(self) -> None:
+        """Refuse options that a map without blocks does not have."""
+        options = {"--steps": self.steps, "--unit": self.unit or None, "--workers": self.workers}
+        options["--overwrite"] = self.overwrite or None
+        for name, value in options.items():
+            if value is not None:
+                raise GridError(
+                    f"{name}: expected a map in blocks, got one without. Omit it, or give --blocks."
+                )
 
 
 def _in_blocks(
@@ -226,7 +230,7 @@ def _in_blocks(
                     path, steps=steps, unit=wanted.unit, sigma=sigma, order=reading.order
                 )
             # One worker is this thread itself.
-            number = count(wanted.workers, "workers", GridError, 1)
+            number = count(1 if wanted.workers is None else wanted.workers, "workers", GridError, 1)
             kind = "threads" if number > 1 else "synchronous"
             with module("dask", path).config.set(scheduler=kind, num_workers=number):
                 survey = map_in_blocks(

@@ -84,19 +84,10 @@ def horizons(
     system = equations(levi_civita(own), lagrangian)
     symbols = {x.name: x for x in own.parameters}
     symbols |= {name: sp.Symbol(name) for name in system.constants if name not in symbols}
-    given = checks.known_keys(parameters or {}, symbols, "parameters", GravityError)
-    values = {symbols[name]: number(x, f"parameters[{name}]") for name, x in given.items()}
-    for symbol, value in values.items():
-        checks.check_declared(symbol, value)
-    if values and len(values) < len(symbols):
-        missing = next(name for name in symbols if symbols[name] not in values)
-        raise GravityError(
-            f"parameters: expected numbers for all of {', '.join(symbols)}, got none for "
-            f"{missing}. Give all, or none for formulas."
-        )
+    values = _values(parameters, symbols)
     hole = _Hole(one, system.Z.raised(3).components.get)
     text = str(system.lagrangian.expression)
-    if given or not symbols:
+    if values or not symbols:
         inside = {x: values[x] for x in own.parameters}
         is_centre = hole.condition.xreplace(inside) == one.symbol
         relation = {} if is_centre or not inside else hole.relation()
@@ -116,6 +107,23 @@ def horizons(
             f"parameters={{'{next(iter(symbols))}': 1}}."
         )
     return (hole.formulas(relation, text),)
+
+
+def _values(
+    parameters: Mapping[Any, Any] | None, symbols: Mapping[str, sp.Symbol]
+) -> dict[sp.Symbol, sp.Expr]:
+    """Numbers for all parameters, or for none."""
+    given = checks.known_keys(parameters or {}, symbols, "parameters", GravityError)
+    values = {symbols[name]: number(x, f"parameters[{name}]") for name, x in given.items()}
+    for symbol, value in values.items():
+        checks.check_declared(symbol, value)
+    if values and len(values) < len(symbols):
+        missing = next(name for name in symbols if symbols[name] not in values)
+        raise GravityError(
+            f"parameters: expected numbers for all of {', '.join(symbols)}, got none for "
+            f"{missing}. Give all, or none for formulas."
+        )
+    return values
 
 
 @dataclass(frozen=True)

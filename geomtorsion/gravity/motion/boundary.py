@@ -156,18 +156,7 @@ def shoot(
     for one in reductions:
         checks.known_name(variable, [one.variable], "variable", GravityError)
     names = checked_by(free, (*checks.by_name(start, "start", StartError), *numbers), "free")
-    demands = conditions_of(boundary, outputs)
-    if len(demands) != len(names):
-        listed = ", ".join(one.written for one in demands) or "none"
-        raise GravityError(
-            f"boundary: expected as many conditions as free numbers, got {listed} for "
-            f"{', '.join(names)}. "
-            + (
-                "Free another number of the start, or drop a condition."
-                if len(demands) > len(names)
-                else "Add a condition, or free fewer numbers."
-            )
-        )
+    demands = conditions_of(boundary, outputs, names)
     texts = reductions[-1].read({one.text: one.expression for one in demands}, "boundary value")
     conditional = {condition_name(k): one for k, one in enumerate(texts.values(), 1)}
     legs = [
@@ -192,8 +181,8 @@ def shoot(
         accuracy=accuracy,
     )
     # A start that does not fit the equations is an error of its own.
+    constants = [x for one in reductions for x in one.constants]
     for name in numbers:
-        constants = [x for one in reductions for x in one.constants]
         checks.known_name(name, constants, "parameters", GravityError)
     place, _ = legs[0].read(shooter.start).first
     times = checks.array(last, "last", TimeError)
@@ -227,9 +216,9 @@ class _Search:
         shooter, hit, shots = self.followed()
         aim = hit.aim
         assert isinstance(aim, Aim)
-        if any(one.at_infinity for one in shooter.conditions):
+        open_orders = [None if one.at_infinity else 0 for one in shooter.conditions]
+        if None in open_orders:
             solutions = shooter.solutions(hit.vector, self.last)
-            open_orders = [None if one.at_infinity else 0 for one in shooter.conditions]
             orders = tuple(one.order for one in shooter.limits(solutions, open_orders))
             sharper = replace(aim, orders=orders)
             limited = Newton(shooter, shooter.accuracy).hit(sharper, hit.vector, hit.inverse)
@@ -242,8 +231,7 @@ class _Search:
         if inverse is None:
             self.refuse(shooter, self.last)
         whole = shooter.solutions(hit.vector, self.last)
-        best = [None if one.at_infinity else 0 for one in shooter.conditions]
-        remainders = [one.remainder for one in shooter.limits(whole, best)]
+        remainders = [one.remainder for one in shooter.limits(whole, open_orders)]
         noise = [
             sum(x.error for x in whole) * float(np.nanmax(np.abs(whole[-1][condition_name(k)])))
             for k in range(1, len(remainders) + 1)

@@ -47,8 +47,13 @@ def condition_name(number: int) -> str:
     return f"condition_{number}"
 
 
-def conditions_of(boundary: object, outputs: Mapping[str, object]) -> list[Condition]:
-    """The conditions of a mapping: expression -> value, "phi(oo)" for a value at infinity."""
+def conditions_of(
+    boundary: object, outputs: Mapping[str, object], names: Sequence[str]
+) -> list[Condition]:
+    """The conditions of a mapping: expression -> value, "phi(oo)" for a value at infinity.
+
+    names: of the free numbers, of which there are as many.
+    """
     table = checks.by_name(boundary, "boundary", GravityError)
     values = numbers_of(table, tuple(table), "boundary")
     result = []
@@ -56,6 +61,14 @@ def conditions_of(boundary: object, outputs: Mapping[str, object]) -> list[Condi
         match = INFINITY.fullmatch(text)
         inner = text if match is None else match[1].strip()
         result.append(Condition(text, outputs.get(inner, inner), float(value), match is not None))
+    if len(result) != len(names):
+        listed = ", ".join(one.written for one in result) or "none"
+        drop = "Free another number of the start, or drop a condition."
+        add = "Add a condition, or free fewer numbers."
+        raise GravityError(
+            f"boundary: expected as many conditions as free numbers, got {listed} for "
+            f"{', '.join(names)}. {drop if len(result) > len(names) else add}"
+        )
     return result
 
 

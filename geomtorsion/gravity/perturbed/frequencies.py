@@ -89,19 +89,7 @@ def frequencies(radial: Radial, modes: int, digits: int) -> list[tuple[acb, floa
     with mpmath.workdps(digits + 30), ctx.workdps(digits + 30):
         followed = _followed(radial, modes)
         candidates = [Candidate(radial.dispersion, acb(z)) for z in rough(radial)]
-    tolerance = 10.0**-digits
-    settled, distinct = list[Candidate](), list[tuple[acb, float]]()
-    for count in range(FIRST, LAST + 1, STEP):
-        # A finer grid loses more digits.
-        work = digits + 30 + count // 2
-        with mpmath.workdps(work), ctx.workdps(work):
-            active = _refined(candidates, radial.matrices(count), modes, tolerance)
-            settled = [one for one in active if one.settled(tolerance)]
-            distinct = _distinct([(one.frequency, one.error) for one in settled])
-        if len(distinct) >= modes and all(one in settled or one.stalled for one in active):
-            break
-        if all(one in settled or not one.alive for one in candidates):
-            break
+    settled, distinct = _on_grids(radial, candidates, modes, digits)
     result = distinct[:modes]
     last = result[-1][0] if len(result) == modes else None
     missing = [one for one in candidates if _before(one.frequency, last) and one not in settled]
@@ -120,6 +108,25 @@ def frequencies(radial: Radial, modes: int, digits: int) -> list[tuple[acb, floa
         if _before(acb(w), last) and all(_size(acb(w) - x) > SHARED * abs(w) for x, _ in result):
             raise _missing(result, f"none near {_text(acb(w))}, to which a mode leads from m = 0")
     return result
+
+
+def _on_grids(
+    radial: Radial, candidates: Sequence[Candidate], modes: int, digits: int
+) -> tuple[list[Candidate], list[tuple[acb, float]]]:
+    """Candidates that settled on finer and finer grids, and their distinct frequencies."""
+    tolerance = 10.0**-digits
+    settled, distinct = list[Candidate](), list[tuple[acb, float]]()
+    for count in range(FIRST, LAST + 1, STEP):
+        # A finer grid loses more digits.
+        work = digits + 30 + count // 2
+        with mpmath.workdps(work), ctx.workdps(work):
+            active = _refined(candidates, radial.matrices(count), modes, tolerance)
+            settled = [one for one in active if one.settled(tolerance)]
+            distinct = _distinct([(one.frequency, one.error) for one in settled])
+        is_enough = len(distinct) >= modes and all(x in settled or x.stalled for x in active)
+        if is_enough or all(one in settled or not one.alive for one in candidates):
+            break
+    return settled, distinct
 
 
 def _before(value: acb, last: acb | None) -> bool:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Collection, Iterator
+from collections.abc import Collection, Iterator, Sequence
 from dataclasses import dataclass, replace
 from itertools import combinations_with_replacement
 from math import factorial, prod
@@ -38,11 +38,8 @@ def about_flat_space(
     """
     theory, expression = system.lagrangian, system.expression
     invariants = [sp.Symbol(name) for name in system.invariant_names]
-    calls = [
-        one
-        for one in sorted(expression.atoms(AppliedUndef), key=str)
-        if not any(x.name in moving for x in one.free_symbols)
-    ]
+    functions = sorted(expression.atoms(AppliedUndef), key=str)
+    calls = [one for one in functions if not {x.name for x in one.free_symbols} & {*moving}]
     if not calls:
         return FlatTheory(theory, {})
     taken = {x.name for x in expression.free_symbols}
@@ -63,21 +60,28 @@ def about_flat_space(
     whole = expression.xreplace(values).doit()
     zero = dict.fromkeys(invariants, sp.S.Zero)
     scalars = [one.symbol for one in system.matter if isinstance(one, ScalarField)]
-    fields = {x for x in scalars if x not in moving}
+    fields = {*scalars} - {*moving}
     still = [whole, *(whole.diff(x) for x in invariants if x.name in fields)]
+    conditions = _conditions([one.xreplace(zero) for one in still], coefficients)
+    whole = whole.xreplace(conditions)
+    occurring = (x.name for x in coefficients if whole.has(x))
+    constants = tuple(dict.fromkeys([*system.constants, *occurring]))
+    return FlatTheory(replace(theory, expression=whole, constants=constants), conditions)
+
+
+def _conditions(
+    rests: Sequence[sp.Expr], coefficients: Collection[sp.Symbol]
+) -> dict[sp.Symbol, sp.Expr]:
+    """Values of coefficients, in order, for which expressions without other symbols vanish."""
     conditions: dict[sp.Symbol, sp.Expr] = {}
-    for one in still:
-        rest = sp.expand(one.xreplace(zero).xreplace(conditions))
+    for one in rests:
+        rest = sp.expand(one.xreplace(conditions))
         free = [x for x in coefficients if rest.has(x)]
         # Other values, such as a cosmological constant, are refused with the background.
         if free and rest.free_symbols <= {*coefficients}:
             (value,) = sp.solve(rest, free[0])
             conditions[free[0]] = value
-    whole = whole.xreplace(conditions)
-    constants = tuple(
-        dict.fromkeys([*system.constants, *(x.name for x in coefficients if whole.has(x))])
-    )
-    return FlatTheory(replace(theory, expression=whole, constants=constants), conditions)
+    return conditions
 
 
 def _terms(
