@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+from collections.abc import Callable
 from typing import TYPE_CHECKING
 
 import sympy
@@ -27,17 +28,38 @@ if TYPE_CHECKING:
     from geomtorsion.pictures.quantities import Quantity
 
 
-def section(quantity: Quantity, title: str = "") -> str:
+# (name of a note, count=number where it counts) -> its text.
+Note = Callable[..., str]
+_NOTES = {
+    "folded": "{count} more components",
+    "symmetric_one": "1 more component follows by symmetry.",
+    "symmetric": "{count} more components follow by symmetry.",
+    "undecided": "Undecided whether zero:",
+}
+
+
+def english_note(name: str, **values: object) -> str:
+    """A note below components in English.
+
+    Examples
+    --------
+    >>> english_note("symmetric", count=3), english_note("undecided")
+    ('3 more components follow by symmetry.', 'Undecided whether zero:')
+    """
+    return _NOTES[name].format(**values)
+
+
+def section(quantity: Quantity, title: str = "", note: Note = english_note) -> str:
     """A quantity with its heading, its definition and its nonzero components, as HTML.
 
-    title: the heading, if it is not the English name of the quantity.
+    title: the heading, if it is not the English name of the quantity. note: texts of the notes.
     """
     entry = quantity.entry
     head = (
         f'<div class="head"><h3>{html_text(title or entry.title)}</h3>'
         f"{mathml(equation_latex(entry.equation))}</div>"
     )
-    return f'<section class="card" id="{entry.name}">{head}{_body(quantity)}</section>'
+    return f'<section class="card" id="{entry.name}">{head}{_body(quantity, note)}</section>'
 
 
 def _displayed(latex: str) -> str:
@@ -45,7 +67,7 @@ def _displayed(latex: str) -> str:
     return f'<div class="scroll">{mathml(latex, display=True)}</div>'
 
 
-def _body(quantity: Quantity) -> str:
+def _body(quantity: Quantity, note: Note) -> str:
     slots = quantity.tensor.slots
     label = latex_label(latex_symbol(quantity.entry.symbol), quantity.letters, slots)
     if not quantity.independent:
@@ -53,10 +75,10 @@ def _body(quantity: Quantity) -> str:
     if not slots:
         [value] = quantity.independent.values()
         shown = _displayed(f"{label} = {latex_text(quantity.written(value))}")
-        return shown + _undecided(quantity)
+        return shown + _undecided(quantity, note)
     if len(slots) == 2 and _fits(quantity):
-        return _displayed(f"{label} = {_matrix(quantity)}") + _undecided(quantity)
-    return _listed(quantity)
+        return _displayed(f"{label} = {_matrix(quantity)}") + _undecided(quantity, note)
+    return _listed(quantity, note)
 
 
 def _fits(quantity: Quantity) -> bool:
@@ -76,7 +98,7 @@ def _matrix(quantity: Quantity) -> str:
     return latex_matrix([[texts.get((i, j), "0") for j in n] for i in n])
 
 
-def _listed(quantity: Quantity) -> str:
+def _listed(quantity: Quantity, note: Note) -> str:
     """Components in columns; the later ones of a long list are folded away."""
     tensor = quantity.tensor
     lines = []
@@ -92,18 +114,16 @@ def _listed(quantity: Quantity) -> str:
     shown = f'<div class="{columns}">{"".join(lines[: STYLE.unfolded])}</div>'
     if len(lines) > STYLE.unfolded:
         rest = "".join(lines[STYLE.unfolded :])
-        shown += (
-            f"<details><summary>{len(lines) - STYLE.unfolded} more components</summary>"
-            f'<div class="{columns}">{rest}</div></details>'
-        )
+        more = html_text(note("folded", count=len(lines) - STYLE.unfolded))
+        shown += f'<details><summary>{more}</summary><div class="{columns}">{rest}</div></details>'
     hidden = len(quantity.nonzero) - len(quantity.independent)
     if hidden:
-        follow = "component follows" if hidden == 1 else "components follow"
-        shown += f'<p class="note">{hidden} more {follow} by symmetry.</p>'
-    return shown + _undecided(quantity)
+        text = note("symmetric_one") if hidden == 1 else note("symmetric", count=hidden)
+        shown += f'<p class="note">{html_text(text)}</p>'
+    return shown + _undecided(quantity, note)
 
 
-def _undecided(quantity: Quantity) -> str:
+def _undecided(quantity: Quantity, note: Note) -> str:
     """A line that names the components that may vanish or not."""
     if not quantity.undecided:
         return ""
@@ -116,7 +136,7 @@ def _undecided(quantity: Quantity) -> str:
         )
         for index in quantity.undecided
     )
-    return f'<p class="note">Undecided whether zero: {labels}.</p>'
+    return f'<p class="note">{html_text(note("undecided"))} {labels}.</p>'
 
 
 def aligned(chosen: Quantity, *, every: bool = False) -> str:

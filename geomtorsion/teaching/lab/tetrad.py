@@ -285,4 +285,5 @@ def _card(quantity: Quantity, text: Texts) -> str:
     """A section with a button that copies its formulas."""
     title = text(quantity.entry.name)
     button = views.copy_button(aligned(quantity), title, text.language)
-    return section(quantity, title).removesuffix("</section>") + f"{button}</section>"
+    shown = section(quantity, title, text.of("notes"))
+    return shown.removesuffix("</section>") + f"{button}</section>"

@@ -18,6 +18,7 @@ from geomtorsion.teaching.lab.closure_failure import closure_failure
 from geomtorsion.teaching.lab.costs import costs
 from geomtorsion.teaching.lab.map_circuits import map_circuit, map_facts
 from geomtorsion.teaching.lab.space_info import space_info
+from geomtorsion.teaching.lab.tetrad import tetrad
 from geomtorsion.teaching.texts import FOLDER, placeholders
 from tests.teaching.lab.maps import atoms, saved, twisted, wall_ctf
 
@@ -133,3 +134,10 @@ def test_german_sentences_below_a_map():
     said = map_circuit(content, "a.ctf", [12, 10], 6, language="de")["sentence"]
     assert said.startswith("Umlauf von 6 × 6 Zellen: |b| = ")
     assert "Korn 0, Nickel." in said
+
+
+def test_notes_below_the_components_of_a_tetrad(blank: str):
+    """A component that follows by symmetry, in German and without words."""
+    case = {"coordinates": "r, phi", "entries": [["1", "0"], ["0", "r"]], "show": ["torsion"]}
+    assert "1 weitere Komponente folgt aus der Symmetrie." in tetrad(**case, language="de")["html"]
+    assert not {"component", "follows"} & words(tetrad(**case, language=blank)["html"])
