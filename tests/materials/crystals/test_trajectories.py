@@ -10,6 +10,7 @@ import pytest
 
 from geomtorsion.errors import CheckpointError, CrystalError, GeomtorsionError
 from geomtorsion.materials.crystals.trajectories import Wanted, forget, is_begun, reports
+from geomtorsion.materials.lines import DislocationNetwork
 from tests.cli.running import run
 from tests.materials.crystals.making import copper_screw, written
 
@@ -34,7 +35,9 @@ def test_kept_frames_are_taken_as_they_are(tmp_path: Path):
     again = list(reports(file, WANTED, folder))
     assert [one["share"] for one, _ in again] == [first[0]["share"], 0.5]
     # The lines can still be computed.
-    assert len(again[1][1]().lines) == 1
+    lines = again[1][1]()
+    assert isinstance(lines, DislocationNetwork)
+    assert len(lines.lines) == 1
 
 
 def test_other_settings_or_files_are_refused(tmp_path: Path):

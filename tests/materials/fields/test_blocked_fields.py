@@ -57,7 +57,7 @@ def test_a_map_in_blocks_is_that_at_once(tmp_path, turned):
     path = tmp_path / "field.npz"
     SampledFrame(axes, whole, sigma=1e-3, unit="um").save(path)
     survey, numbers = run(path, tmp_path / "o", 17).survey()
-    once = open_source(path).burgers_map(4, widen=False)
+    once = SampledFrame.read(path).burgers_map(4, widen=False)
     at = np.s_[:, :, ::-1] if turned else np.s_[:, :]
     assert survey.vectors == pytest.approx(once.vectors[at], abs=1e-12, nan_ok=True)
     assert survey.lines[1] == pytest.approx(np.sort(once.lines[1]))
