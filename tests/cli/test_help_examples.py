@@ -17,7 +17,7 @@ from tests.cli.running import run
 # Commands whose examples are computed in seconds; the page of commands runs one of each other.
 QUICK = ("burgers", "curve", "exercises", "fit", "geometry", "plan", "scenes", "spaces")
 # Files of a user, which only examples of other pages have.
-FOREIGN = re.compile(r"\b(my-|answers|loops\.json|sheets|moodle|nbgrader|export|grade)")
+FOREIGN = re.compile(r"\b(my-|my_|answers|loops\.json|sheets|moodle|nbgrader|export|grade)")
 
 
 def commands(group: Any, context: Any, name: str = "") -> Iterator[tuple[str, Any]]:

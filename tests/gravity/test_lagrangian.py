@@ -52,7 +52,7 @@ REFUSED = {
         "expected connections over one frame",
     ),
     "no connection": (lambda: g.equations([], "T"), "expected a connection"),
-    "a frame": (lambda: g.equations(FRAME, "T"), "expected one connection or a list"),
+    "a frame": (lambda: g.equations(FRAME, "T"), "Give cartan(frame)"),
     "a list of frames": (lambda: g.equations([FRAME], "T"), "connection"),
     "no lagrangian": (lambda: g.equations(CARTAN, None), "expected text such as"),
     "bytes": (lambda: g.equations(CARTAN, b"T"), "expected text such as"),

@@ -16,7 +16,7 @@ import geomtorsion
 nbformat = pytest.importorskip("nbformat")
 notebooks = pytest.importorskip("notebooks")
 
-ROOT = Path(geomtorsion.__file__).parents[1]
+ROOT = Path(__file__).parents[2]
 PAGES = sorted((ROOT / "examples" / "site" / "tutorials").glob("*.md"))
 
 
@@ -74,7 +74,7 @@ def test_the_cells_of_a_notebook_run(tmp_path, monkeypatch):
     client = pytest.importorskip("nbclient")
     pytest.importorskip("ipykernel")
     pytest.importorskip("matplotlib")
-    paths = [str(ROOT), os.environ.get("PYTHONPATH", "")]
+    paths = [str(Path(geomtorsion.__file__).parents[1]), os.environ.get("PYTHONPATH", "")]
     monkeypatch.setenv("PYTHONPATH", os.pathsep.join(filter(None, paths)))
     monkeypatch.setenv("IPYTHONDIR", str(tmp_path))
     page = ROOT / "examples" / "site" / "tutorials" / "loops_that_do_not_close.md"
