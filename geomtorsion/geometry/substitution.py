@@ -20,7 +20,7 @@ from geomtorsion.support import checks
 Value = sp.Expr | float | str
 Values = Mapping[sp.Expr, Value] | Mapping[str, Value]
 # Also as sympy's `subs` takes them: pairs, or one name before its value.
-Replaced = Values | Sequence[tuple[sp.Expr | str, Value]] | sp.Expr | UndefinedFunction | str
+Replaced = Values | Sequence[tuple[sp.Expr | str, Value]] | sp.Expr | type[sp.Function] | str
 INFINITE = (sp.oo, -sp.oo, sp.zoo, sp.nan)
 _BY_NAME = {"oo": sp.oo, "+oo": sp.oo, "-oo": -sp.oo}
 _SIDES: Mapping[object, tuple[int, ...]] = {None: (1, -1), "+": (1,), "-": (-1,)}
