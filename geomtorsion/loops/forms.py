@@ -302,7 +302,7 @@ def poles_of(
 
     def rooted(*values: np.ndarray) -> np.ndarray:
         rows = plain(*values)
-        rows[: len(peaks)] = np.sqrt(np.hypot(1.0, rows[: len(peaks)]))
+        rows[: len(peaks)] = np.sqrt(np.hypot(1.0, np.abs(rows[: len(peaks)])))
         return rows
 
     names = (*(f"sqrt(1 + |{u}|)" for u in peaks), *denominators)

@@ -167,7 +167,7 @@ class _Unpacked(io.RawIOBase):
 
 
 def check_file(path: Path) -> None:
-    """Refuse a path at which there is no file."""
+    """Refuse a path that names a folder, or nothing."""
     if path.is_dir():
         raise FileFormatError(f"{path}: expected a file, got a folder. Give one of its files.")
     if not path.is_file():

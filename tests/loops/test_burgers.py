@@ -397,3 +397,12 @@ def test_a_steep_step_has_an_error(width):
     frame = Frame("x y", [["1", "0"], [f"tanh({width}*(y - 1/7))", "1"]])
     found = burgers_vector(frame, Loop.polygon([[-1, -1], [1, -1], [1, 1], [-1, 1]]))
     assert abs(found.vector[1] + 4) <= found.error < 1e-12
+
+
+def test_a_narrow_peak_of_a_complex_frame_is_found():
+    """The peak in a complex leg, beside a complex denominator: b is i times the real one."""
+    square = Loop.polygon([[-1, -1], [1, -1], [1, 1], [-1, 1]])
+    peak = sp.exp(-((1000 * (x - sp.Rational(1, 7))) ** 2)) * (1 + y)
+    frame = Frame([x, y], [[1, 1 / (x + 2 * sp.I)], [sp.I * peak, 1]], complex=True)
+    found = burgers_vector(frame, square)
+    assert abs(found.vector[1] - 1j * gaussian(1000, "square")) <= found.error + 1e-12
