@@ -49,11 +49,10 @@ class Jet:
         return max((int(degrees[np.flatnonzero(x > least)[-1]]) for x in sizes if x.max() > least),
                    default=0)  # fmt: skip
 
-    @property
-    def is_empty(self) -> bool:
-        """Whether no equation depends on any field, except by rounding."""
+    def is_empty(self, scale: float) -> bool:
+        """Whether no equation depends on any field, except by rounding of terms of this scale."""
         slopes = [one.slope for one in self._values if one.slope is not None]
-        return not any((np.abs(slope) > EPS).any() for slope in slopes)
+        return not any((np.abs(slope) > EPS * scale).any() for slope in slopes)
 
     def _rows(self, order: int) -> np.ndarray:
         """Places of the coefficients of an equation that truncation leaves right."""

@@ -317,7 +317,8 @@ def degrees_of_freedom(
     source = near.fields if isinstance(near, DegreesOfFreedom) else near
     begun = trial(setting, probe, source, formulas)
     first = Jet(probe, moved(begun, probe, setting, seed), setting.residuals)
-    if first.is_empty:
+    terms = sp.Add.make_args(sp.expand(theory.expression))
+    if first.is_empty(max(abs(float(_coefficient(x, values))) for x in terms)):
         kept = np.abs(first.residual(0)).max(initial=0) > HALF
         came = "a number that is not zero" if kept else "zero for every field"
         raise GravityError(
@@ -355,6 +356,12 @@ def degrees_of_freedom(
         if answer.residual < HALF and not answer.settled:
             answer = counted(last)
     return answer
+
+
+def _coefficient(term: sp.Expr, values: Mapping[str, Any]) -> sp.Expr:
+    """The number before the invariants of a term, with values of its constants."""
+    known = {x: sp.Rational(values[x.name]) for x in term.free_symbols if x.name in values}
+    return term.xreplace(known).as_coeff_Mul()[0]
 
 
 def _solution(

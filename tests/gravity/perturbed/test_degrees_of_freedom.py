@@ -235,3 +235,9 @@ def test_no_equations(lagrangian, geometry, dimension, words):
     """Nothing, a topological term and a bare constant are refused in words."""
     with pytest.raises(GeomtorsionError, match=words):
         count(lagrangian, geometry, dimension=dimension)
+
+
+def test_a_small_factor_of_the_action_is_not_taken_for_zero():
+    """R/10^20 has field equations: the rounding of its terms has their own scale."""
+    answer = perturbed.degrees_of_freedom("R/10**20", "riemannian", dimension=3)
+    assert answer.number in (0, None)
