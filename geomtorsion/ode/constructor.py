@@ -52,20 +52,9 @@ def read(
         key: expression(x, f"rate of {key}", symbols, functions=functions)
         for key, x in rates.items()
     }
-    listed = list(events)
+    names, listed = (*states, *numbers), list(events)
     conditions = [event for event in listed if isinstance(event, When)]
-    for event in conditions:
-        checks.instance(
-            event.changes, Mapping, "When", ExpressionError, expected="changes {name: value}"
-        )
-    stops = tuple(
-        expression(event.falls, "stop", symbols, functions=functions)
-        for event in conditions
-        if not event.changes
-    )
-    switches = tuple(
-        _switch(event, (*states, *numbers), symbols) for event in conditions if event.changes
-    )
+    stops, switches = _stops_and_switches(conditions, names, symbols, functions)
     read_outputs = _read_terms(outputs, "output", symbols, functions)
     _check_outputs(read_outputs, symbols)
     groups = _group_list(states, norm_groups, normalized)
@@ -73,9 +62,7 @@ def read(
     terms = (rates, invariants, outputs)
     falls = [event.falls for event in conditions]
     declared = _declared([*(x for each in terms for x in each.values()), *falls], numbers)
-    timed = timed_events(
-        (*states, *numbers), [x for x in listed if not isinstance(x, When)], symbols
-    )
+    timed = timed_events(names, [x for x in listed if not isinstance(x, When)], symbols)
     for values in (numbers, *map(numbers_in, timed)):
         check_declared(declared, values)
     numbers_at_start = start_numbers(states, start)
@@ -115,6 +102,26 @@ def _rates_and_invariants(
     if not rates:
         raise ExpressionError("rates: expected at least one state, got none.")
     return checks.by_name(rates, "rates", ExpressionError), invariants
+
+
+def _stops_and_switches(
+    conditions: Sequence[When],
+    names: Sequence[str],
+    symbols: Mapping[str, sp.Symbol],
+    functions: Mapping[str, type[sp.Function]],
+) -> tuple[tuple[sp.Expr, ...], tuple[When, ...]]:
+    """Conditions that end the motion, as expressions, and those that change states."""
+    for event in conditions:
+        checks.instance(
+            event.changes, Mapping, "When", ExpressionError, expected="changes {name: value}"
+        )
+    stops = [
+        expression(event.falls, "stop", symbols, functions=functions)
+        for event in conditions
+        if not event.changes
+    ]
+    switches = [_switch(event, names, symbols) for event in conditions if event.changes]
+    return tuple(stops), tuple(switches)
 
 
 def _check_outputs(outputs: Iterable[str], symbols: Mapping[str, sp.Symbol]) -> None:

@@ -90,6 +90,14 @@ def floats(values: Iterable[Real]) -> list[float]:
         ) from None
 
 
+def alike(first: np.ndarray, second: np.ndarray) -> np.ndarray:
+    """The second array in the kind of the first, where NumPy cannot mix the two."""
+    if first.dtype == second.dtype or first.dtype != np.longdouble or second.dtype == np.float64:
+        return second
+    rows = [[np.longdouble(str(x)) for x in row] for row in second]
+    return np.array(rows, dtype=np.longdouble)
+
+
 def perturbed(
     values: Sequence[Real], part: float, precision: int, *, all_of_them: bool
 ) -> list[Real]:
