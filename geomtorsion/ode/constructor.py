@@ -14,7 +14,7 @@ from geomtorsion.exact import Element
 from geomtorsion.ode.numbers import Numbers, Real
 from geomtorsion.ode.rates import Rates, default_groups
 from geomtorsion.ode.tables import Table
-from geomtorsion.ode.terms import At, Terms, When, expression, number, symbol_table
+from geomtorsion.ode.terms import At, Terms, When, event_list, expression, number, symbol_table
 from geomtorsion.support import checks
 from geomtorsion.support.precision import PRINTED
 
@@ -52,7 +52,7 @@ def read(
         key: expression(x, f"rate of {key}", symbols, functions=functions)
         for key, x in rates.items()
     }
-    names, listed = (*states, *numbers), list(events)
+    names, listed = (*states, *numbers), event_list(events)
     conditions = [event for event in listed if isinstance(event, When)]
     stops, switches = _stops_and_switches(conditions, names, symbols, functions)
     read_outputs = _read_terms(outputs, "output", symbols, functions)
@@ -356,7 +356,7 @@ def timed_events(
     table: dict[float, dict[str, Any]] = {}
     later: list[At] = []
     symbols = symbol_table(names) if symbols is None else symbols
-    for entry in events:
+    for entry in event_list(events):
         if not isinstance(entry, At) or not isinstance(entry.changes, Mapping):
             raise TimeError(
                 f"event: expected At(time, {{name: value}}) or When(expression), got "
