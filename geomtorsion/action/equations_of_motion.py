@@ -162,9 +162,8 @@ class EquationsOfMotion:
     def euler_lagrange(self) -> tuple[sp.Expr, ...]:
         """Euler-Lagrange equations; q'^mu and q''^mu are written phi1dot, phi1ddot.
 
-        There is one for each coordinate. They are derived from L(q, e q', t) without use of
-        `residuals`. Under constraints their right sides are the forces of reaction; without
-        constraints, zero.
+        There is one for each coordinate, derived from L(q, e q', t) without use of `residuals`.
+        Under constraints their right sides are the forces of reaction, otherwise zero.
         """
         return tuple(value.sympy for value in self.lagrange.residuals)
 
@@ -297,18 +296,15 @@ def equations_of_motion(
     principle
         "closed_in_coordinates" (Hamilton, Poincare), "closed_in_image" (Kleinert) or "naive".
         Where L depends on q, closed_in_image takes dq^mu = E_i^mu dPhi^i, as Kleinert and Pelster
-        do (gr-qc/9605028): a gap at the end of the path would make the equations depend on the
-        future.
+        do (gr-qc/9605028); with a gap at the end the equations would depend on the future.
     constraints
         expressions a_i(q) u^i + c(q, t) that stay zero (rolling, knife edge, driven wheels). The
-        frame is adapted to them; each removes one velocity, if possible the last whose coefficient
-        is constant.
+        frame is adapted to them; each removes a velocity, the last of constant coefficient if any.
     parameters
         further names or symbols that may occur. In sympy expressions all other symbols are
         parameters unless a list is given; a text may use only known and listed names.
     connection
-        for closed_in_image: the connection whose torsion the image has; None: the Cartan connection
-        of the frame.
+        for closed_in_image: its torsion is the torsion of the image; None: the Cartan connection.
 
     Raises
     ------
@@ -371,18 +367,16 @@ def conserved_quantities(
 ) -> ConservedQuantities:
     """Conserved quantities f(q, u, t) by name: the `invariants` of the equations of motion.
 
-    The search covers an ansatz, which `ansatz` of the result lists:
+    The search covers this ansatz, which `ansatz` of the result lists in detail:
 
-    - the energy;
+    - the energy, and Casimirs;
     - momenta p_k xi^k of coordinates, of legs and of right-invariant fields on a Lie group;
     - momenta of fields xi = sum c f(q) E_k with constants c and functions f from products of 1, x,
       cos(x), sin(x), as they fit each coordinate x; only 1 and x where there would be too many;
     - momenta of fields xi = sum c f(q) d_mu with polynomials f of degree 2;
-    - Casimirs;
     - sums of c f(q) p_k p_l with terms f of the coframe, such as Carter's constant.
 
-    All rational combinations within the ansatz are found, and the derivative of each along the
-    motion is exactly zero. Other conserved quantities may exist.
+    All rational combinations in it are found; each is exactly conserved. Others may exist.
 
     Parameters
     ----------

@@ -1,4 +1,4 @@
-"""Elements: exact scalars in a form in which equal ones are identical, and how sure zero is."""
+"""Elements: exact scalars in a form in which equal ones are identical, with a certainty of zero."""
 
 from __future__ import annotations
 

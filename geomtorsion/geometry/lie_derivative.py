@@ -26,7 +26,7 @@ def vector(frame: Frame, values: object, name: str = "vector") -> Tensor:
     ShapeError
         There is not one component for each coordinate, or the tensor belongs to another frame.
     TensorIndexError
-        The tensor has not one index.
+        The tensor does not have exactly one index.
     """
     if not isinstance(values, Tensor):
         return tensor_from_array(frame, "u", values, name)

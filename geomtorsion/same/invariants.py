@@ -123,7 +123,7 @@ class Invariants(ByContent):
 
     @cached_property
     def _ranks(self) -> tuple[tuple[Growth, ...], Certainty]:
-        """The ranks at each order, and how sure they are."""
+        """The ranks at each order, and their certainty."""
         n, zero = self.frame.dimension, self.frame.field.zero
         echelon, steps = Echelon(self.frame.field, self.width), list[Growth]()
         places = [(j, i) for j, t in enumerate(self.start) for i in representatives(t)]
@@ -162,7 +162,7 @@ class Invariants(ByContent):
 
     @property
     def coordinates(self) -> int:
-        """The number of coordinates on which the geometry depends: n minus that of an orbit."""
+        """The number of coordinates on which the geometry depends: n minus the orbit dimension."""
         return self.frame.dimension - self.symmetries + self.isotropy
 
     @property
