@@ -186,7 +186,7 @@ class FrameFields:
     def divergence(self, tensor: Tensor, *, paired: bool = False) -> Tensor:
         """(1/e) D_m(e X^{m...}), the first slot U; paired: X^{mn...} is antisymmetric in mn.
 
-        A paired divergence in the frame is E_a(X^{an}) + C_ab^b X^{an} - C_ab^n X^{ab} / 2, where the
+        Paired, it is E_a(X^{an}) + C_ab^b X^{an} - C_ab^n X^{ab} / 2 in the frame, where the
         connection acts only on the other indices.
         """
         frame, n = self.frame, self.frame.dimension
