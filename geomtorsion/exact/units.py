@@ -129,7 +129,7 @@ def unit(text: str) -> Unit:
         except (OverflowError, ValueError):
             scale, power = math.inf, 0
         if not 0 < scale < math.inf:
-            raise UnitError(f"{cut(text)!r} is beyond all numbers. Write a smaller exponent.")
+            raise UnitError(f"{cut(text)!r} is too large for a number. Write a smaller exponent.")
         powers = [a + power * b for a, b in zip(powers, kind, strict=True)]
     return Unit(text, scale, (powers[0], powers[1], powers[2], powers[3], powers[4]))
 

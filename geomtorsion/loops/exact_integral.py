@@ -413,7 +413,7 @@ def pieces(loop: Loop) -> Iterator[tuple[int, Piece]]:
     for part in loop.parts:
         if part.given is None:
             raise LoopError(
-                f"{loop.name}: this loop is known by numbers only, it has no closed form. "
+                f"{loop.name}: this loop is only known numerically, so it has no closed form. "
                 "Give a circle, ellipse, polygon or exact expressions."
             )
         for arc in part.arcs:

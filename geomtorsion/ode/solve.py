@@ -447,8 +447,8 @@ def is_coarse(accuracy: float) -> bool:
 def _remedy(engine: Engine | None) -> str:
     """What to do where an accuracy is not reached."""
     if engine is None and not is_available():
-        return "Install heyoka (the extra fast) for more digits, or ask for fewer."
-    return "Ask for less, for a shorter time, or use Taylor(precision=113) or more."
+        return "Install heyoka (the extra fast) for more digits, or request fewer."
+    return "Request less accuracy or a shorter time, or use Taylor(precision=113) or more."
 
 
 class Report:

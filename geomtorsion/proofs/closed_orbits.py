@@ -186,8 +186,8 @@ class _Search:
         here = self._tried(unknown, names)
         if here is None:
             raise ProofError(
-                "the motion from the guess is not followed over the guessed period. Give another "
-                "start or period."
+                "the motion from the guess cannot be followed over the guessed period. Give "
+                "another start or period."
             )
         for _ in range(MOST_NEWTON):
             _, inverse, step = here

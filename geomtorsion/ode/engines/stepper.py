@@ -85,7 +85,7 @@ class Polynomial:
 
 def too_many_evaluations(most: int, time: float) -> WorkLimitError:
     """The error of a run that evaluates its rates without end."""
-    advice = "Ask for less accuracy or time, use engine=Stiff(), or raise max_evaluations."
+    advice = "Request less accuracy or time, use engine=Stiff(), or raise max_evaluations."
     return WorkLimitError(f"{most} evaluations of the rates", time, advice, "t")
 
 

@@ -577,7 +577,7 @@ class Taylor:
             if at_sample or moved < STANDSTILL * abs(float(grid[-1] - grid[0])):
                 return np.concatenate(rows), "stuck", steps, longest, "the steps became too small"
             if steps > self.max_steps:
-                advice = "Ask for less accuracy or time, use engine=Stiff(), or raise max_steps."
+                advice = "Request less accuracy or time, use engine=Stiff(), or raise max_steps."
                 reached = float(integrator.time)
                 raise WorkLimitError(f"{self.max_steps} steps", reached, advice, "t")
             if watch is not None:
