@@ -316,7 +316,8 @@ class Field(Tower):
     def inverse(self, element: Element, briefly: bool = False) -> Element:
         """1 over an element, its denominator free of algebraic generators.
 
-        briefly: it is kept as it is where without roots it has more terms than its square.
+        briefly: the quotient stays lazy if its denominator, cleared of roots, is longer than its
+            square.
         """
         if element.is_kept:
             if element.is_zero:

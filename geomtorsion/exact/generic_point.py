@@ -57,7 +57,7 @@ class Given:
         yield self._point
 
     def refusal(self) -> str:
-        """Why it does not serve."""
+        """The reason why the point is invalid."""
         return f"it has no value at {self._point}. Give another point."
 
 

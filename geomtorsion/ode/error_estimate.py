@@ -89,7 +89,7 @@ class Integration(Protocol):
 
 
 class Comparison(NamedTuple):
-    """A run with which an answer is compared; their difference counts so many times."""
+    """A run with which an answer is compared, and the factor of their difference."""
 
     run: Trajectory
     factor: float
