@@ -281,7 +281,7 @@ def rounding_bounds(
 
 @dataclass(frozen=True)
 class _Error:
-    """An error of at most so many roundings of the value, plus a further error (a step)."""
+    """An error of at most a number of roundings of the value, plus a further error (a step)."""
 
     roundings: int
     rest: int | None = None

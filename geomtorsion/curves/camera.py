@@ -28,9 +28,9 @@ from geomtorsion.support.executors import Executor
 # A ray that has come this much nearer to an edge of the domain than the camera is captured. Light
 # that comes so near does not return; nearer to it, frame velocities only grow.
 NEARER = 1e-9
-# A ray that is so many times as far from the edge as the camera has escaped.
+# A ray has escaped at this multiple of the distance of the camera from the edge.
 FARTHER = 4
-# Rays are followed over so many times the distance of the camera, that is: for many turns.
+# Length of rays in units of the distance of the camera: many turns.
 LENGTHS = 64
 # Angles from the axis of the camera among which the edge is found before it is bisected.
 SCANNED = 24

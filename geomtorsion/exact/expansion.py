@@ -151,7 +151,7 @@ class Expansion:
         Raises
         ------
         SingularPointError
-            There is none: the expression grows without bound, or does not settle.
+            There is no limit: the expression grows without bound, or oscillates.
         UndecidedError
             It cannot be computed.
         """
@@ -258,7 +258,7 @@ def limit(
     Raises
     ------
     SingularPointError
-        There is none, or not the same on all ways.
+        There is no limit, or it differs between ways.
     UndecidedError
         It cannot be computed.
 

@@ -423,7 +423,7 @@ class Field(Tower):
         return True if image is not None and image == 0 else None
 
     def _image(self, element: Element) -> fmpz_mod | None:
-        """The value at a random point modulo a prime, or None where there is none."""
+        """The value at a random point modulo a prime; None without a value."""
         try:
             return roomy_point_of(self).image(element)
         except NoPointError:

@@ -67,7 +67,7 @@ def definite(f: sp.Expr, t: sp.Symbol, low: sp.Expr, high: sp.Expr) -> sp.Expr |
 
 
 def tidy(f: sp.Expr, t: sp.Symbol) -> sp.Expr:
-    """The same function on a common basis, where the field can read it."""
+    """The same function over a common basis of angles, if the field can read it."""
     f = f.replace(_is_shifted, lambda wave: _split(wave, t))
     # cos(3/10) and cos(1) stay what they are: their common basis would be cos(1/10).
     constants = [x for x in f.atoms(sp.cos, sp.sin) if not x.free_symbols]

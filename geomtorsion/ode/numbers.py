@@ -31,7 +31,7 @@ def checked_numbers(values: object, wanted: int, what: str) -> tuple[Any, ...]:
 
 
 def mpf(value: Real, precision: int) -> mpmath.mpf:
-    """A number as mpmath number of so many bits."""
+    """A number as mpmath number with a given number of bits."""
     exact = exact_number(value, precision)
     if isinstance(exact, Fraction):
         with working_precision(precision):
