@@ -150,8 +150,7 @@ class ModularPoint:
     def moves(self, element: Element, symbol: sympy.Symbol) -> bool | None:
         """Whether an element has another value where only what depends on a symbol has.
 
-        None: too many roots depend on the symbol to find a place with values of all of them in
-            time.
+        None: too many roots depend on the symbol to find a place with values of all in time.
         """
         oldest = self._field.generators[::-1]
         moved = frozenset(k for k, g in enumerate(oldest) if symbol in g.depends)
@@ -299,9 +298,8 @@ class ModularPoint:
         sixteen of both.
         """
         place, tried = self._place + 1, self._tried + 1
-        # One point in n has a root of degree n, so all of BITS * n tries fail with a probability of
-        # about 2**-BITS. Where more than ten square roots depend on one symbol, a point may be
-        # missed, after 20 s.
+        # One point in n has a root of degree n: all of BITS * n tries fail with a chance of
+        # 2**-BITS. With more than ten square roots of a symbol a point may be missed, after 20 s.
         if tried > BITS * min(prod(self._degrees()), 2**10):
             raise NoPointError
         # Symbols have other values at each place.  Roots of numbers, also below a root of a
