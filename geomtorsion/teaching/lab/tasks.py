@@ -163,10 +163,12 @@ def _in_language(reply: Json, arguments: Mapping[str, Any]) -> Json:
     language = arguments.get("language", ENGLISH)
     if language not in languages():
         return reply
-    own = {key: in_language(reply[key], language) for key in _MESSAGES if key in reply}
+    own: dict[str, Any] = {
+        key: in_language(reply[key], language) for key in _MESSAGES if key in reply
+    }
     if errors := reply.get("errors"):
         own["errors"] = {place: in_language(text, language) for place, text in errors.items()}
-    return reply | own
+    return {**reply, **own}
 
 
 class Runner(Protocol):
