@@ -242,10 +242,11 @@ class Reduction:
         origin: object = 0,
         reach: sp.Expr | None = None,
     ) -> tuple[sp.Expr, dict[str, sp.Expr]]:
-        """The value of the variable where numbers start, and all states there.
+        """The value of the variable where the integration starts, and all states there.
 
-        It is the origin, unless the equations have a pole there: then a power series leads a small
-        way from it, at most the reach if one is given. Other arguments as for `complete`.
+        It is the origin, unless the equations have a pole there. Then it is a small way from the
+        pole, at most `reach`, and a power series gives the states. Other arguments as for
+        `complete`.
 
         Raises
         ------
@@ -256,7 +257,7 @@ class Reduction:
         return place, dict(states)
 
     def beginning(self, start: Start) -> Beginning:
-        """A start with its numbers read: what `complete`, `begin`, `centre` and `ode` answer from.
+        """The start with its numbers read, for `complete`, `begin`, `centre` and `ode`.
 
         Raises
         ------
@@ -330,7 +331,7 @@ class Reduction:
         return self.ode_of(beginning, Request.of(outputs, events))
 
     def ode_of(self, beginning: Beginning, request: Request) -> ODE:
-        """The same as `ode`, from a start that was read."""
+        """The same as `ode`, from the result of `beginning`."""
         place, states = beginning.first
         ode = self.ode_at(place, states, beginning.written, request)
         return replace(ode, centre=self._centre_of(beginning))
