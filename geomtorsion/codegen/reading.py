@@ -374,7 +374,7 @@ class Reader:
         return self._by_name(generator)
 
     def _by_name(self, generator: Generator) -> Term:
-        """A primitive, a constant, or another function, whose name says how it is evaluated."""
+        """A primitive, a constant, or another function by its name."""
         kind, argument = generator.kind, generator.argument
         name = type(generator.shown).__name__
         if kind == "primitive" and name in _OF_INVERSES:

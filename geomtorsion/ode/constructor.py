@@ -11,10 +11,10 @@ import sympy as sp
 
 from geomtorsion.errors import ExpressionError, ShapeError, StartError, TimeError, UnknownNameError
 from geomtorsion.exact import Element
-from geomtorsion.ode.numbers import Numbers, Real
+from geomtorsion.ode.numbers import Numbers, Real, event_list
 from geomtorsion.ode.rates import Rates, default_groups
 from geomtorsion.ode.tables import Table
-from geomtorsion.ode.terms import At, Terms, When, event_list, expression, number, symbol_table
+from geomtorsion.ode.terms import At, Terms, When, expression, number, symbol_table
 from geomtorsion.support import checks
 from geomtorsion.support.precision import PRINTED
 

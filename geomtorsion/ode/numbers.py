@@ -236,3 +236,21 @@ def one_time_only(t: object, times: np.ndarray, grid: np.ndarray) -> tuple[np.nd
     if checks.real(t) is not None and len(grid) > 1:
         return times[-1:], np.array([0.0, float(times[-1])])
     return times, grid
+
+
+def event_list(events: object) -> list[Any]:
+    """The entries of a list of events.
+
+    Raises
+    ------
+    TimeError
+        it is something else, such as a single event.
+
+    Examples
+    --------
+    >>> event_list("x")
+    Traceback (most recent call last):
+    geomtorsion.errors.TimeError: events: expected a list of events, got 'x'. Write events=[...].
+    """
+    expected, remedy = "a list of events", "Write events=[...]."
+    return checks.entries(events, "events", TimeError, expected=expected, remedy=remedy)

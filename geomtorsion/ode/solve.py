@@ -177,7 +177,7 @@ def solve(
 class _Request:
     """A motion with the times and the accuracy that its solution is to have.
 
-    times: in the units of the motion; grid: those of the samples, in the time of its stages.
+    times: in the units of the motion; grid: of the samples, in the time of the stages.
     engine: None chooses. kept: the file of the parts of a run. report: of the finished fraction.
     """
 

@@ -192,24 +192,3 @@ def moments(events: Sequence[At], parameters: Mapping[str, Real]) -> list[tuple[
                 )
         rows.append((At(at, event.changes), k))
     return sorted(rows, key=lambda row: row[0].time)
-
-
-def event_list(events: object) -> list[Any]:
-    """The entries of a list of events.
-
-    Raises
-    ------
-    TimeError
-        it is something else, such as a single event.
-
-    Examples
-    --------
-    >>> event_list(When("x"))
-    Traceback (most recent call last):
-    geomtorsion.errors.TimeError: events: expected a list of events, got When(falls='x', \
-changes={}). Write events=[...].
-    """
-    subject, expected = "events", "a list of events"
-    return checks.entries(
-        events, subject, TimeError, expected=expected, remedy="Write events=[...]."
-    )

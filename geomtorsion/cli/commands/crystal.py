@@ -302,13 +302,9 @@ def _crystal_rows(frames: Sequence[Json]) -> list[str]:
     first, several = frames[0], len(frames) > 1
     columns = zip("xyz", np.array(first["orient"]).T, strict=True)
     axes = ", ".join(f"{name} along [{_row(column)}]" for name, column in columns)
-    rows = [
-        (
-            f"  {first['atoms']:,} atoms: {first['lattice']}, a = {first['constant']:.6g}; "
-            f"{first['share']:.1%} have the neighbours of the lattice"
-        ),
-        f"  {axes}",
-    ]
+    kind = f"{first['lattice']}, a = {first['constant']:.6g}"
+    share = f"{first['share']:.1%} have the neighbours of the lattice"
+    rows = [f"  {first['atoms']:,} atoms: {kind}; {share}", f"  {axes}"]
     if several:
         rows.append(f"  {len(frames)} frames, in the axes of the first")
     for frame in frames:

@@ -130,7 +130,7 @@ def _write(
     animate: Path | None,
     pictures: PictureFormat,
 ) -> list[Path]:
-    """Write a result and its film to the files that were asked for."""
+    """Write a result and its animation to files."""
     written: list[Path] = []
     with working(title) as progress:
         if output is not None:

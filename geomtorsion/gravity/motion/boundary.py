@@ -156,7 +156,7 @@ def shoot(
     demands = conditions_of(boundary, request.outputs, names)
     texts = reductions[-1].read({one.text: one.expression for one in demands}, "boundary value")
     conditional = {condition_name(k): one for k, one in enumerate(texts.values(), 1)}
-    # Events are those of the first equations, conditions those of the last.
+    # Events belong to the first equations, conditions to the last.
     requests = [request, *(replace(request, events=()) for _ in reductions[1:])]
     requests[-1] = replace(requests[-1], outputs={**request.outputs, **conditional})
     legs = [Leg(one, asked) for one, asked in zip(reductions, requests, strict=True)]

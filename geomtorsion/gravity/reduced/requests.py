@@ -7,8 +7,8 @@ from dataclasses import dataclass
 
 from geomtorsion.errors import GravityError
 from geomtorsion.ode import ODE, At, Engine, Solution, When, solve
+from geomtorsion.ode.numbers import event_list
 from geomtorsion.ode.solve import ACCURACY
-from geomtorsion.ode.terms import event_list
 from geomtorsion.support import checks
 from geomtorsion.support.arguments import Times
 
