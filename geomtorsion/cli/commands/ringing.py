@@ -7,7 +7,7 @@ from typing import Annotated
 
 import typer
 
-from geomtorsion.cli.options import Form, SpaceOrFile, directory, option
+from geomtorsion.cli.options import Form, Shown, SpaceOrFile, directory, option
 from geomtorsion.cli.results import show_result, write_result
 from geomtorsion.cli.sources import open_space
 from geomtorsion.cli.terminal import working
@@ -41,9 +41,7 @@ def ringing(
     geometry: Annotated[
         str, typer.Option("-g", "--geometry", metavar="NAME", help="riemannian or teleparallel.")
     ] = "riemannian",
-    form: Annotated[
-        Form, typer.Option("--format", help="text to read, json for programs.")
-    ] = Form.text,
+    form: Shown = Form.text,
     output: Annotated[
         Path | None,
         directory("Directory for ringing.json and ringing.png, created if missing."),
