@@ -61,6 +61,7 @@ def test_the_readme_has_none():
         ("floor", "the lowest floor", "the lowest layer"),
         ("fronted of", "It ends. Of a grain all is known.", "Of course."),
         ("has not one", "A list has not one number.", "A list does not have one number."),
+        ("that they are", "Floats are the numbers that they are.", "Floats are exact fractions."),
         ("drowns", "The value drowns in rounding.", "The value is lost in rounding."),
         ("how sure", "It reports how sure the ranks are.", "How sure is a number?"),
         ("wanted", "Wanted relative error.", "Requested relative error."),
