@@ -17,7 +17,7 @@ from geomtorsion.geometry.numeric.power_series import PowerSeries
 from geomtorsion.gravity.charges.spheres import number
 from geomtorsion.gravity.numeric.solution_jets import Jet, noise
 from geomtorsion.gravity.numeric.varied import Potentials, Setting, varied
-from geomtorsion.gravity.perturbed.geometries import GEOMETRIES, OF_THEORY, names_of, theory_in
+from geomtorsion.gravity.perturbed.geometries import GEOMETRIES, geometry_of, names_of, theory_in
 from geomtorsion.gravity.perturbed.hilbert import confirmed, fitted, polynomial
 from geomtorsion.gravity.perturbed.trial_fields import (
     moved,
@@ -238,7 +238,8 @@ def degrees_of_freedom(
         Text or a theory, as in `gravity.equations`.
     geometry
         "flat" (only matter varies), "riemannian", "teleparallel", "symmetric teleparallel" (in the
-        coincident gauge) or "poincare" (coframe and metric connection); the one of the theory.
+        coincident gauge) or "poincare" (coframe and metric connection). The default is
+        that of `spectrum`, but flat for a Lagrangian of matter alone.
     dimension
         2, 3 or 4; 4 takes minutes for theories of a coframe.
     near
@@ -272,11 +273,12 @@ def degrees_of_freedom(
     (Fraction(1, 1), True, ((1, 1),))
     """
     n = checks.count(dimension, "dimension", GravityError, 2, 4)
-    name = _geometry(lagrangian, geometry)
+    own = listed(invariants, Invariant, "invariants", "gravity.invariant(name, formula)")
+    alone = "flat" if scalars or vectors or two_forms else "riemannian"
+    name = geometry_of(lagrangian, geometry, own, NAMES, alone)
     theory = (
         theory_in(lagrangian, name) if name in GEOMETRIES else theory_in(lagrangian, "poincare")
     )
-    own = listed(invariants, Invariant, "invariants", "gravity.invariant(name, formula)")
     theory = replace(theory, geometry="any",
                      constants=(*declared_constants(theory.constants),
                                 *declared_constants(constants)),
@@ -326,7 +328,9 @@ def degrees_of_freedom(
             "dimensions. Give a Lagrangian whose variation contains the fields."
         )
     highest = first.order
-    orders = [n + highest, n + highest + 1]
+    # In four dimensions an order more takes minutes.
+    more = 2 if n == 4 else 4
+    orders = [n + highest + k for k in range(more)]
     if order is not None:
         orders = [checks.count(order, "order", GravityError, highest + 1)]
     begin = "flat space" if near is None else "the start in near"
@@ -379,18 +383,6 @@ def _solution(
             fields = Jet(series, fields, setting.residuals).solved()[0].fields
         fields = moved(fields, series, setting, seed)
     return Jet(series, fields, setting.residuals).solved()
-
-
-def _geometry(lagrangian: object, name: object) -> str:
-    """The name of the geometry: given, or the one for which the theory is meant."""
-    if name is None and isinstance(lagrangian, Lagrangian):
-        name = OF_THEORY.get(lagrangian.geometry, lagrangian.geometry)
-    if name is None:
-        raise GravityError(
-            "geometry: expected a geometry, got none for a Lagrangian in text. Give one of "
-            f"{', '.join(NAMES)}."
-        )
-    return checks.choice(name, NAMES, "geometry", GravityError)
 
 
 def _constants(
