@@ -22,9 +22,9 @@ def fitted(
     fields: numbers of vector fields and of two-forms.
 
     The fit holds for all numbers that are the same with one order less, from some order on. These
-    are at least n + 1 numbers, one more than the phase space determines, and at least four,
-    because three numbers fit too easily. A known symmetry has as many functions of n variables. No later number is below the fit, because numbers only fall
-    where the order grows.
+    are at least n + 1 numbers, one more than the phase space determines, and at least four, because
+    three numbers fit too easily. A known symmetry has as many functions of n variables. No later
+    number is below the fit, because numbers only fall where the order grows.
     """
     known = _symmetries(geometry, gauge, n, *fields)
     same = confirmed(numbers, shorter)

@@ -56,7 +56,6 @@ def test_all_reports_read_the_same_geometry() -> None:
         perturbed.scalar_modes("T - X/2", scalars="phi")
     own = gravity.invariant("Y", "T_abc T^abc")
     assert perturbed.spectrum("R/2 + Y", invariants=own).geometry == "poincare"
-    assert perturbed.degrees_of_freedom("-F2/4", dimension=2, vectors=1).number == 0
 
 
 # Lagrangian, geometry, gauge functions, massless helicities, massive spins and parities.
