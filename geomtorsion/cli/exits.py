@@ -141,7 +141,9 @@ def wrong_usage(error: typer.BadParameter) -> str:
     extra = _EXTRA.fullmatch(message)
     takes = error.ctx.command.params if error.ctx else []
     if extra and any("-L" in one.opts for one in takes):
-        message = f"expected a Lagrangian after -L, got {extra[1]} alone. Give -L '{extra[1]}'."
+        message = (
+            f"expected a Lagrangian after -L, got {extra[1]} without it. Give -L '{extra[1]}'."
+        )
     message = message if message.endswith((".", "?", ")")) else f"{message}."
     return f"{message}\n(Arguments and options: {path} --help)"
 

@@ -193,7 +193,7 @@ def _rates(expression: sp.Expr) -> set[sp.Expr]:
 
 
 def _geometry_of_dust(lagrangian: object, geometry: object) -> str:
-    """The name of the geometry: riemannian, or that of functions of T or Q."""
+    """The name of the geometry: riemannian, or the geometry of functions of T or Q."""
     name = geometry_of(lagrangian, geometry)
     return name if name in SCALAR_OF else riemannian_only(lagrangian, geometry, "growth")
 
@@ -244,7 +244,7 @@ def growth(
         As in `scalar_modes`. The dust couples to the metric.
     geometry
         "riemannian", "teleparallel" for f(T), or "symmetric teleparallel" for f(Q); the default is
-        that of `spectrum`. Scalar fields may be added to these.
+        read from the Lagrangian, see `spectrum`. Scalar fields may be added to these.
     scalars
         Names of scalar fields that depend on the time, "phi".
 

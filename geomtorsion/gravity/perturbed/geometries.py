@@ -149,17 +149,17 @@ def geometry_of(
     name: object,
     invariants: Invariant | Iterable[Invariant] = (),
     choices: Sequence[str] = tuple(GEOMETRIES),
-    alone: str = "riemannian",
+    bare: str = "riemannian",
 ) -> str:
-    """The name of the geometry: given, that of the theory, or read from the Lagrangian.
+    """The name of the geometry: given, assumed by the theory, or read from the Lagrangian.
 
-    alone: the one of a Lagrangian without an invariant of geometry.
+    bare: geometry of a Lagrangian without an invariant of torsion, curvature or nonmetricity.
     """
     if name is None:
         theory = known_as(lagrangian)
         meant = OF_THEORY.get(theory.geometry, theory.geometry)
         own = listed(invariants, Invariant, "invariants", "gravity.invariant(name, formula)")
-        name = _meant(theory, own, alone) if meant == "any" else meant
+        name = _meant(theory, own, bare) if meant == "any" else meant
     if isinstance(name, str):
         plain = {_plain(one): one for one in choices}
         name = plain.get(_plain(name), name)
@@ -171,7 +171,7 @@ def _plain(name: str) -> str:
     return name.lower().replace("-", " ").replace("_", " ").strip()
 
 
-def _meant(theory: Lagrangian, invariants: Sequence[Invariant], alone: str) -> str:
+def _meant(theory: Lagrangian, invariants: Sequence[Invariant], bare: str) -> str:
     """The geometry with the fewest fields in which no invariant of a theory vanishes."""
     known = INVARIANTS | {one.name: one for one in (*theory.invariants, *invariants)}
     words = set(re.findall(r"[^\W\d]\w*+(?!\s*\()", str(theory.expression)))  # no functions
@@ -186,7 +186,7 @@ def _meant(theory: Lagrangian, invariants: Sequence[Invariant], alone: str) -> s
         return "poincare"
     if has & {"Q", "T"}:
         return "teleparallel" if "T" in has else "symmetric teleparallel"
-    return "riemannian" if "R" in has else alone
+    return "riemannian" if "R" in has else bare
 
 
 def titled(theory: Lagrangian, geometry: str = "") -> str:

@@ -421,9 +421,9 @@ def spectrum(
         derivatives in flat space: f_0, f_R, f_RR of f(R), where f_0 = 0 makes it a solution.
     geometry
         "riemannian", "teleparallel", "symmetric teleparallel", "poincare" (metric connection with
-        torsion) or "metric-affine". By default that of a `gravity.Lagrangian`, or the one with the
-        fewest fields in which no invariant vanishes: riemannian for R, teleparallel for T,
-        symmetric teleparallel for Q, poincare for R and T.
+        torsion) or "metric-affine". By default the geometry of a `gravity.Lagrangian`, or the
+        geometry with the fewest fields in which no invariant vanishes: riemannian for R,
+        teleparallel for T, symmetric teleparallel for Q, poincare for R and T.
     scalars
         Names of scalar fields, "phi" or "phi chi"; the first has the kinetic term X.
     vectors

@@ -241,7 +241,7 @@ def degrees_of_freedom(
     geometry
         "flat" (only matter varies), "riemannian", "teleparallel", "symmetric teleparallel" (in the
         coincident gauge) or "poincare" (coframe and metric connection). The default is
-        that of `spectrum`, but flat for a Lagrangian of matter alone.
+        read from the Lagrangian, see `spectrum`; flat where it contains only matter.
     dimension
         2, 3 or 4; 4 takes minutes for theories of a coframe.
     near
@@ -278,8 +278,8 @@ def degrees_of_freedom(
     """
     n = checks.count(dimension, "dimension", GravityError, 2, 4)
     own = listed(invariants, Invariant, "invariants", "gravity.invariant(name, formula)")
-    alone = "flat" if scalars or vectors or two_forms else "riemannian"
-    name = geometry_of(lagrangian, geometry, own, NAMES, alone)
+    bare = "flat" if scalars or vectors or two_forms else "riemannian"
+    name = geometry_of(lagrangian, geometry, own, NAMES, bare)
     theory = (
         theory_in(lagrangian, name) if name in GEOMETRIES else theory_in(lagrangian, "poincare")
     )
