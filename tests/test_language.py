@@ -9,12 +9,11 @@ from tests import language
 # Occurrences in each package. A number may only fall; it is lowered when the count is lower.
 CEILINGS = {
     "exact": 1,
-    "geometry": 3,
+    "geometry": 1,
     "paper": 1,
     "pictures": 5,
     "site": 1,
     "support files": 1,
-    "teaching": 1,
     "tests": 1,
 }
 
