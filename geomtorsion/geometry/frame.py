@@ -74,7 +74,7 @@ class Frame:
     To make one: coframe (rows i, columns mu) as nested lists or a sympy matrix; signature None
     (all +1), a tuple of signs, a text such as "-+++", or a constant symmetric matrix eta; domain
         one relation or several, as text too: "r > 0, 0 < theta < pi". Entries may be text in the
-        coordinates and the listed parameters;
+        coordinates and the listed parameters, and rows one-forms in text: ["dr", "r dphi"];
     branches {root: value}: values of roots that are rational in other names, where the sign shall
         not be the positive one, such as {sqrt(1 - sin(x)**2): -cos(x)}.
 
@@ -199,7 +199,7 @@ class Frame:
     def from_metric(
         cls,
         coordinates: arguments.Coordinates,
-        metric: arguments.Matrix,
+        metric: arguments.Matrix | Sequence[arguments.Entry],
         signature: arguments.Signature | None = None,
         parameters: arguments.Parameters | None = None,
         domain: arguments.Domain | None = None,
@@ -210,7 +210,8 @@ class Frame:
 
         The metric is kept as given, so that Levi-Civita quantities never see the square roots; the
         roots are taken when the coframe itself is first read. Without a signature the rows have the
-        signs that the metric has in the domain.
+        signs that the metric has in the domain. The metric is a matrix, a list of its diagonal, or
+        a line element in text.
 
         Raises
         ------
@@ -224,6 +225,9 @@ class Frame:
         >>> r, phi = sp.symbols("r phi", positive=True)
         >>> Frame.from_metric([r, phi], [[1, 0], [0, r**2]]).coframe[1, 1]
         r
+        >>> hole = "-(1 - 2M/r) dv^2 + 2 dv dr + r^2 (dtheta^2 + sin(theta)^2 dphi^2)"
+        >>> Frame.from_metric("v r theta phi", hole, parameters="M").metric[0, 1]
+        1
         """
         return constructors.from_metric(
             cls, coordinates, metric, signature, parameters, domain, name, branches
