@@ -106,7 +106,7 @@ REFUSALS = {
 
 @pytest.mark.parametrize("case", REFUSALS)
 def test_refusals(case):
-    """The message names the entry, what was expected, and what was typed."""
+    """The message names the entry, the expectation, and the typed text."""
     make, words = REFUSALS[case]
     with pytest.raises(gt.GeomtorsionError, match=words):
         make()
