@@ -51,7 +51,7 @@ def polynomial(heads: Sequence[int], q: int) -> int:
 def _symmetries(
     geometry: str, gauge: tuple[tuple[int, int], ...], n: int, vectors: int, two_forms: int
 ) -> dict[int, tuple[tuple[int, int], ...]]:
-    """Number of functions of n variables -> the gauge symmetries that have so many.
+    """Number of functions of n variables -> the gauge symmetries with this number.
 
     Diffeomorphisms change coframe and metric by first derivatives, rotations of a tetrad change it
     without a derivative, and a gradient changes a vector field. A two-form is changed by the
