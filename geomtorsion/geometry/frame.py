@@ -71,19 +71,11 @@ class Frame:
     attached: further data by name: "atlas", "names" for printing, and "substituted": the frame and
         the values from which `subs` made it.
 
-<<<<<<< HEAD
-    To make one: coframe (rows i, columns mu) as nested lists or a sympy matrix; signature None
-    (all +1), a tuple of signs, a text such as "-+++", or a constant symmetric matrix eta; domain
-        one relation or several, as text too: "r > 0, 0 < theta < pi". Entries may be text in the
-        coordinates and the listed parameters, and rows one-forms in text: ["dr", "r dphi"];
-    branches {root: value}: values of roots that are rational in other names, where the sign shall
-        not be the positive one, such as {sqrt(1 - sin(x)**2): -cos(x)}.
-=======
     Parameters
     ----------
     coframe
         e^i_mu, rows i, columns mu: nested lists or a sympy matrix. Entries may be text in the
-        coordinates and the listed parameters.
+        coordinates and the listed parameters, and rows one-forms in text: ["dr", "r dphi"].
     signature
         a tuple of signs, a text such as "-+++", or a constant symmetric matrix eta; None: all +1.
     domain
@@ -91,7 +83,6 @@ class Frame:
     branches
         {root: value} for roots that are rational in other symbols and shall not have the positive
         sign, such as {sqrt(1 - sin(x)**2): -cos(x)}.
->>>>>>> main
 
     Raises
     ------
