@@ -99,7 +99,7 @@ def form(element: Element) -> Form:
     """The written form of an element, made once for all that are equal."""
     if element._form is None:
         forms = element.field.tables.setdefault("forms", {})
-        # Equal elements are often different objects; factoring is dear, their text is cheap.
+        # Equal elements are often different objects; factoring is expensive, their text is cheap.
         key = (str(element.field.lift(element)), element._den)
         if key not in forms:
             forms[key] = _made(element)
@@ -163,7 +163,7 @@ def _factors_above(
 
 
 def _roots_taken(table: Radicals, exponents: dict[str, int]) -> fmpq:
-    """Replaces each radicand that is there in full, above or below the line, by its root.
+    """Replaces each radicand that is a full factor or divisor by the square of its root.
 
     Returns the number by which the rest is multiplied.
     """
