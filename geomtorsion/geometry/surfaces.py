@@ -217,7 +217,7 @@ class Surface:
         return [x * side for x in lower], [x * side for x in upper], sign
 
     def _minor(self, mu: int) -> Element:
-        """The determinant of the slopes without those of one coordinate of the ambient space."""
+        """The determinant of the slopes, omitting one coordinate of the ambient space."""
         n = self.ambient.dimension
         others = [nu for nu in range(n) if nu != mu]
         entries = {

@@ -273,7 +273,7 @@ def _is_fence(tag: str, children: Sequence[ElementTree.Element]) -> bool:
 
 
 def _fenced(parts: tuple[Node, ...]) -> Node:
-    """A row in brackets; those of a matrix belong to it."""
+    """A row in brackets; a matrix has its own brackets."""
     if [part.kind for part in parts[1:-1]] == ["matrix"]:
         return parts[1]
     return Node("fence", parts[0].text + parts[-1].text, (_row_of(parts[1:-1]),))
