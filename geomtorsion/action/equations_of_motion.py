@@ -67,7 +67,7 @@ def reduced(
     invariants: Mapping[str, sp.Expr],
     coordinates: tuple[sp.Symbol, ...],
 ) -> Reduced:
-    """Leave out the coordinates.
+    """Omit the coordinates.
 
     Raises
     ------
