@@ -134,11 +134,15 @@ def test_a_curve_that_ends_has_a_german_reason():
         ("1.1", "1,1,1 = 2", "hier braucht es 2 Indizes, in '1,1,1' sind es 3."),
         ("3.2", "sin(q)", "q kommt in dieser Frage nicht vor"),
         ("3.2", "1/2r phi2", "kann man auf zwei Arten lesen. Schreibe (1/2)*r oder 1/(2*r)."),
-        ("4.1", "1,5", "hier braucht es eine Zahl mit Dezimalpunkt, nicht 1,5. Schreibe 1.5."),
+        (
+            "4.1",
+            "1,5",
+            "radius: hier braucht es eine Zahl mit Dezimalpunkt, nicht 1,5. Schreibe 1.5.",
+        ),
     ],
 )
 def test_an_unreadable_answer_has_a_german_message(number: str, text: str, expected: str):
-    """Components, indices, names, ambiguous products, and a decimal comma."""
+    """Components, indices, names, ambiguous products, units, and a decimal comma."""
     exercise = exercises.load(number, language="de")
     first = exercise.questions[0].name
     message = exercise.check({first: text})[first].message
