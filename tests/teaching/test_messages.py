@@ -118,11 +118,18 @@ def test_an_unreadable_file_has_a_german_message(content: bytes, expected: str):
     assert expected in answer(request | {"attached": attached})["problem"]
 
 
-def test_a_curve_that_ends_has_a_german_reason():
+@pytest.mark.parametrize(
+    ("space", "velocity", "expected"),
+    [
+        ("flat_polar", [-1, 0], "Sie endet bei t = 1, bei r = 0, phi = 0"),
+        ("schwarzschild_falling", [1.2, -0.6, 0, 0.2], "(r > 0 gilt nicht mehr)"),
+    ],
+)
+def test_a_curve_that_ends_has_a_german_reason(space: str, velocity: list[float], expected: str):
     """The sentence below two curves ends with the reason why one of them ends early."""
-    case = {"space": "flat_polar", "velocity": [-1, 0], "t": 5.0, "language": "de"}
+    case = {"space": space, "velocity": velocity, "t": 25.0, "language": "de"}
     sentence = answer({"task": "paths", "arguments": case})["sentence"]
-    assert "Die geradeste Kurve: Sie endet bei t = 1, bei r = 0, phi = 0" in sentence
+    assert expected in sentence
     assert not words(sentence) & ENGLISH
 
 
