@@ -19,6 +19,8 @@ SPHERE = "r^2 (dtheta^2 + sin(theta)^2 dphi^2)"
         ("u v", "(du + v dv)*(du - v dv)", [[1, 0], [0, "-v**2"]]),
         ("t x", "-(dt - t*dx)^2 + dt^2/4", [["-3/4", "t"], ["t", "-t**2"]]),
         ("r θ", "dr^2 + r^2 dθ^2", [[1, 0], [0, "r**2"]]),
+        ("θ φ", "4 dΩ^2", [[4, 0], [0, "4*sin(θ)**2"]]),
+        ("theta phi", "dOmega_2**2", [[1, 0], [0, "sin(theta)**2"]]),
     ],
 )  # fmt: skip
 def test_a_line_element_is_its_matrix(coordinates, line, rows):
@@ -118,3 +120,14 @@ def test_a_file_names_itself_in_refusals(tmp_path):
     path.write_text('coordinates = ["r"]\nmetric = "dr"\n', "utf-8")
     with pytest.raises(gt.errors.FileFormatError, match="line.toml: metric: expected a sum"):
         gt.read(path)
+
+
+def test_the_file_that_a_wrong_name_suggests_is_flat(tmp_path):
+    """The message about a space that is not shipped contains a file that can be read."""
+    with pytest.raises(gt.errors.UnknownNameError) as refused:
+        gt.spaces.load("minkowski")
+    keys = str(refused.value).split("another space: ")[1].removesuffix(".").replace(" and ", "\n")
+    path = tmp_path / "flat.toml"
+    path.write_text(keys, "utf-8")
+    frame = gt.read(path).frame
+    assert frame.metric == gt.Frame.from_metric(frame.coordinates, [-1, 1]).metric
