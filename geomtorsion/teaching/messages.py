@@ -24,7 +24,7 @@ _THOUSANDS = re.compile(r"[0-9]{1,3}(?:,[0-9]{3})+")
 def in_language(message: str, language: str = ENGLISH, own: str = "") -> str:
     """A message of the library in another language.
 
-    own: the name of a question, which is no part of the page. Quoted input, numbers and names stay.
+    own: the name of a question, which stays. Quoted input, numbers and other names stay also.
     A message with a sentence that the language lacks stays English, after a note in the language.
 
     Examples
