@@ -94,7 +94,7 @@ class LazyGroup(TyperGroup):
     def parse_args(self, ctx: Any, args: list[str]) -> list[str]:
         """The arguments of the group; a wrong option of the group ends like any other error.
 
-        A line element that begins with a minus is no option: a blank before it says so.
+        A blank before a line element that begins with a minus keeps it from being an option.
         """
         args = [f" {one}" if _MINUS.match(one) and is_typed(one) else one for one in args]
         ctx.meta.setdefault(_ARGUMENTS, list(args))

@@ -9,8 +9,7 @@ from typing import TypeVar
 
 from geomtorsion import spaces
 from geomtorsion.errors import FileFormatError, UnknownNameError
-from geomtorsion.spaces import Space, read_file
-from geomtorsion.spaces.typed import typed_space
+from geomtorsion.spaces import Space, read_file, typed_space
 from geomtorsion.support.typed_text import is_typed
 
 T = TypeVar("T")

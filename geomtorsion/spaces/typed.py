@@ -28,7 +28,7 @@ def typed_space(text: str) -> Space:
     CoordinateError
         The text has no differential.
     ExpressionError, MetricError, CoframeError
-        It is no line element, and no list of one-forms.
+        The text is neither a line element nor a list of one-forms.
 
     Examples
     --------

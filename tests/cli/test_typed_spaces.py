@@ -4,7 +4,7 @@ import pytest
 
 import geomtorsion as gt
 from geomtorsion.cli.exits import ExitCode
-from geomtorsion.spaces.typed import typed_space
+from geomtorsion.spaces import typed_space
 from tests.cli import running
 
 
@@ -35,7 +35,7 @@ def test_names_are_read_from_the_text(text: str, coordinates: str, parameters: s
         assert frame.metric == gt.Frame.from_metric(coordinates, text, **given).metric
 
 
-def test_a_leading_minus_is_no_option() -> None:
+def test_line_elements_may_begin_with_a_minus() -> None:
     """The metric that everybody types first: a vacuum, and flat space."""
     hole = "-(1 - 2M/r) dt^2 + dr^2/(1 - 2M/r) + r^2 dOmega^2"
     assert "= 0" in running.run("geometry", hole, "--only", "ricci").stdout
