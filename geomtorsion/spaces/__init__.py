@@ -13,8 +13,8 @@ if TYPE_CHECKING:
     from geomtorsion.spaces.identification import Identification, Identified, identify
     from geomtorsion.spaces.kerr_orbits import Frequencies, KerrOrbit, kerr_orbit, kerr_orbit_of
     from geomtorsion.spaces.kerr_plunges import KerrPlunge, kerr_plunge
-    from geomtorsion.spaces.typed import typed_space
     from geomtorsion.spaces.pair import Pair, pair_problems, refuse_unknown_functions, solve_pair
+    from geomtorsion.spaces.typed import typed_space
 
 # Names imported on first use: loading a space needs no motions and no comparison.
 _LATER = {

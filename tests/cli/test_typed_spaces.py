@@ -28,11 +28,16 @@ def test_names_are_read_from_the_text(text: str, coordinates: str, parameters: s
     frame = typed_space(text).frame
     assert " ".join(map(str, frame.coordinates)) == coordinates
     assert " ".join(map(str, frame.parameters)) == parameters
-    given = {"parameters": parameters.split()} if parameters else {}
     if "," in text:
-        assert frame.coframe == gt.Frame(coordinates, text.split(","), **given).coframe
+        assert (
+            frame.coframe
+            == gt.Frame(coordinates, text.split(","), parameters=parameters.split()).coframe
+        )
     else:
-        assert frame.metric == gt.Frame.from_metric(coordinates, text, **given).metric
+        assert (
+            frame.metric
+            == gt.Frame.from_metric(coordinates, text, parameters=parameters.split()).metric
+        )
 
 
 def test_line_elements_may_begin_with_a_minus() -> None:
