@@ -71,7 +71,7 @@ def holonomy(
     accuracy: float = 1e-10,
     engine: Engine | None = None,
 ) -> np.ndarray:
-    """The matrix by which parallel transport along a path turns the frame.
+    """Holonomy of a path: the matrix of parallel transport, in frame components.
 
     Parameters
     ----------
@@ -183,5 +183,5 @@ def transport_equations(
 
 
 def _without_floats(expression: sp.Expr) -> sp.Expr:
-    """Floats as the fractions that they are."""
+    """Floats as exact fractions."""
     return expression.xreplace({x: sp.Rational(float(x)) for x in expression.atoms(sp.Float)})

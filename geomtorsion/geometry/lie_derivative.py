@@ -26,7 +26,7 @@ def vector(frame: Frame, values: object, name: str = "vector") -> Tensor:
     ShapeError
         There is not one component for each coordinate, or the tensor belongs to another frame.
     TensorIndexError
-        The tensor has not one index.
+        The tensor does not have exactly one index.
     """
     if not isinstance(values, Tensor):
         return tensor_from_array(frame, "u", values, name)
@@ -48,8 +48,8 @@ def lie(xi: object, field: Tensor | Connection | Frame | Form) -> Tensor | Form:
     Equation
     --------
     (L_xi t)_a^b = xi^m d_m t_a^b + t_m^b d_a xi^m - t_a^m d_m xi^b
-    (L_xi Gamma)_ab^c = xi^m d_m Gamma_ab^c + Gamma_mb^c d_a xi^m + Gamma_am^c d_b xi^m
-                        - Gamma_ab^m d_m xi^c + d_a d_b xi^c
+    (L_xi Gamma)_ab^c = xi^m d_m Gamma_ab^c + Gamma_mb^c d_a xi^m + Gamma_am^c d_b xi^m + Z_ab^c
+    Z_ab^c = d_a d_b xi^c - Gamma_ab^m d_m xi^c
 
     Parameters
     ----------
@@ -67,7 +67,7 @@ def lie(xi: object, field: Tensor | Connection | Frame | Form) -> Tensor | Form:
     Raises
     ------
     ShapeError
-        xi has not one component for each coordinate.
+        xi does not have one component for each coordinate.
     TensorIndexError
         The argument consists of connection coefficients. Give the connection.
 
@@ -168,7 +168,8 @@ def lie_bracket(frame: object, first: object, second: object = None) -> Tensor:
     Raises
     ------
     ShapeError
-        A vector has not one component for each coordinate, or the tensors belong to two frames.
+        A vector does not have one component for each coordinate, or the tensors belong to two
+        frames.
     ArgumentError
         There is no frame, or one vector field is missing.
 

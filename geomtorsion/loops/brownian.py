@@ -32,18 +32,12 @@ from geomtorsion.support.caching import cached_property
 from geomtorsion.support.outgoing import measured_text
 
 HALF = Fraction(1, 2)
-REMEDY = "Ask for fewer members, or average runs with different seeds."
+REMEDY = "Request fewer members, or average runs with different seeds."
 
 
 @dataclass(frozen=True, repr=False)
 class InvariantMeasure:
-    """Invariant measure of a diffusion, exact, or what prevents a reversible one.
-
-    Equation
-    --------
-    d_a log h = 2 b_a for the drift b of L = (Laplacian) / 2 + b^a d_a; the measure is
-    h sqrt|g| dq^1 ... dq^n. For a metric connection 2 b_a is minus the torsion vector T_ab^b
-                                    [Kleinert, Shabanov, J. Phys. A 31 (1998) 7005]
+    """Exact invariant measure of a diffusion, or the obstructions to a reversible one.
 
     density: h sqrt|g|, up to a factor; None where no closed form is known. A motion that is not
         reversible may still have a measure, which these formulas do not give.
@@ -51,6 +45,13 @@ class InvariantMeasure:
         2 b_a dq^a is closed. None if this cannot be decided.
     obstructions: (a, b) -> d_a 2 b_b - d_b 2 b_a, coordinates counted from 0, for all components
         that do not vanish.
+
+    Equation
+    --------
+    d_a log h = 2 b_a              [Kleinert, Shabanov, J. Phys. A 31 (1998) 7005]
+
+    with the drift b^a of the `Diffusion`; the measure is h sqrt|g| dq^1 ... dq^n. For a metric
+    connection 2 b_a is minus the torsion vector T_ab^b.
 
     Examples
     --------
@@ -153,18 +154,19 @@ class StochasticEnsemble:
 
 @dataclass(frozen=True, eq=False, repr=False)
 class Diffusion:
-    """Brownian motion with torsion: white noise in the frame, rolled out by a connection.
+    """Brownian motion with torsion: white noise in the frame, developed by a connection.
+
+    connection: over an orthonormal frame of a positive metric.
 
     Equation
     --------
-    dq^m = E_i^m o dB^i + c^k E_k^m dt, c^k = - sum_i omega_ii^k / 2 (Stratonovich), with the
-    generator L f = g^{ab} D_a D_b f / 2 = (Laplacian f) / 2 + b^a d_a f.
-    The law depends on the connection only by b. For a metric connection b^a = - T^a_b^b / 2: the
-    torsion vector is a drift, and the rest of the torsion does not act
-        [Kleinert, Shabanov, J. Phys. A 31 (1998) 7005; Ikeda, Watanabe, Stochastic differential
-        equations, 1989, chapter V]
+    dq^m = E_i^m o dB^i + c^k E_k^m dt, c^k = - sum_i omega_ii^k / 2 (Stratonovich)
+    L f = g^{ab} D_a D_b f / 2 = (Laplacian f) / 2 + b^a d_a f
 
-    connection: over an orthonormal frame of a positive metric.
+    The law depends on the connection only through the drift b of the generator L. For a metric
+    connection b^a = - T^a_b^b / 2: the torsion vector is a drift, and the rest of the torsion has
+    no effect [Kleinert, Shabanov, J. Phys. A 31 (1998) 7005; Ikeda, Watanabe, Stochastic
+    differential equations, 1989, chapter V].
 
     Examples
     --------
@@ -213,9 +215,9 @@ class Diffusion:
 
     @cached_property
     def invariant_measure(self) -> InvariantMeasure:
-        """The measure that does not change in time, exact, or what prevents a reversible one.
+        """Exact measure that does not change in time, or the obstructions to a reversible one.
 
-        If the drift is not a gradient, but has no divergence, the volume itself is invariant.
+        If the drift is not a gradient but free of divergence, the volume is invariant.
         """
         slope = {place: 2 * x for place, x in self.drift.lowered(0).components.nonzero.items()}
         verdict = volume_of(Tensor(self.connection.frame, "d", slope, (), "W", "twice the drift"))

@@ -64,21 +64,8 @@ def burgers_vector(
     Gauss on the sides of parallelograms and by Gauss and Kronrod on the sides of other polygons;
     and the flux through a parallelogram or the cone over another loop, from the exact curl of the
     coframe. The line integral loses a digit for every decade by which the loop shrinks; the
-    flux loses none. Where both agree the more accurate one is given; where they differ, torsion
-    sits on a line or point inside, and the line integral is the answer.
-
-    Parameters
-    ----------
-    frame
-        A frame, a space, or the name of a shipped one. Measured data have a method for their
-        loops, such as `SampledFrame.burgers`, because their spacing determines the error.
-    accuracy
-        Wanted relative error of the vector (largest component); `reached` reports success.
-    parameters
-        Values of the parameters of frame and loop, {symbol or name: number}.
-    seconds
-        Processor time instead of an accuracy, as in `solve`: `accuracy` of the result names the
-        accuracy that this time buys.
+    flux loses none. If both agree, the result is the more accurate value. If they differ, torsion
+    is concentrated on a line or point inside, and the result is the line integral.
 
     A looser accuracy saves points only where the form oscillates along the loop. Every call takes
     two nested sets of points along the loop and two inside, because their difference is the error
@@ -91,6 +78,19 @@ def burgers_vector(
     be missed: the route then reports the value without it. `prove` of the result compares the
     error with a bound over the whole loop and reports such a peak.
 
+    Parameters
+    ----------
+    frame
+        A frame, a space, or the name of a shipped one. Measured data have a method for their
+        loops, such as `SampledFrame.burgers`, because their spacing determines the error.
+    accuracy
+        Requested relative error of the vector (largest component); `reached` reports success.
+    parameters
+        Values of the parameters of frame and loop, {symbol or name: number}.
+    seconds
+        Processor time instead of an accuracy, as in `solve`: `accuracy` of the result names the
+        accuracy that this time buys.
+
     Returns
     -------
     BurgersVector: b^i in the frame, shape (n,), with error, route, check and cost.
@@ -102,7 +102,7 @@ def burgers_vector(
     AccuracyError
         Even an accuracy of 1e-2 takes longer than `seconds`.
     ArgumentError
-        The frame is measured data; or seconds come with an accuracy.
+        The frame is measured data; or both seconds and an accuracy are given.
     MissingValueError
         A parameter has no value.
     CoordinateError

@@ -85,7 +85,7 @@ class Complex:
             self._check_closed(2, "cell", "faces")
 
     def _check_closed(self, degree: int, name: str, sides: str) -> None:
-        """The boundary of a boundary is nothing."""
+        """Refuse a boundary that has a boundary itself."""
         here, below = self.boundary(degree), self.boundary(degree - 1)
         if here.shape[1] != below.shape[0]:
             raise NetworkError(
@@ -111,7 +111,7 @@ class Complex:
         images: np.ndarray | Sequence[Sequence[int]] | None = None,
         labels: Sequence[Hashable] = (),
     ) -> Complex:
-        """A graph. nodes: as many as the pairs name, if not given."""
+        """Graph of edges. nodes: number of nodes; None: the nodes that the pairs name."""
         ends = whole_array(pairs, "pairs", NetworkError, 2)
         node_count = int(ends.max(initial=-1)) + 1
         count = node_count if nodes is None else checks.count(nodes, "nodes", NetworkError)
@@ -151,6 +151,9 @@ class Complex:
     def grid(cls, shape: Sequence[int], periodic: Sequence[bool] | bool = False) -> Complex:
         """A grid of nodes in any number of dimensions, all its faces and (from three on) cells.
 
+        Edges are numbered axis by axis, in the order of their first nodes; faces by pairs of axes,
+        oriented from the first axis to the second, and cells likewise.
+
         Parameters
         ----------
         shape
@@ -158,9 +161,6 @@ class Complex:
             `numpy.ravel_multi_index` gives it.
         periodic
             Whether the last node of an axis is joined to the first, one period further on.
-
-        Edges come axis by axis, each in the order of its first node; faces pair by pair of axes,
-        turned from the first axis to the second, and so do cells.
 
         Examples
         --------
@@ -208,7 +208,7 @@ class Complex:
 
         Each row belongs to a bounded element: the matrix takes values on nodes to their differences
         along edges, values on edges to sums around faces, values on faces to sums over cells.
-        The product of two neighbours is exactly zero.
+        The product of two successive matrices is exactly zero.
 
         Raises
         ------
@@ -281,7 +281,7 @@ class Complex:
 
     @property
     def neighbours(self) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-        """Joined pairs of nodes, lower and higher, ascending; where each lower one begins."""
+        """Joined pairs of nodes (lower, higher), ascending; the index where each lower begins."""
         keys = self._table[0]
         low, high = keys // self.nodes, keys % self.nodes
         low, high = low[low != high], high[low != high]
@@ -320,7 +320,8 @@ class Complex:
         Raises
         ------
         NetworkError
-            Two neighbours are not joined by an edge, a node is not there, or they are too few.
+            Two neighbours are not joined by an edge, a node does not exist, or there are too few
+            nodes.
         """
         chain = once_round(cycle, "cycle")
         if len(chain) < least:

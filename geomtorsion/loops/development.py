@@ -248,9 +248,12 @@ def develop(
 
     Equation
     --------
-    G' = G [[omega, e], [0, 0]],  omega = omega_ai^j q'^a (row j),  e = e^i_a q'^a;  G(0) = 1.
-    G(1) = [[rotation, burgers], [0, 1]]. Small loops: burgers^j = S_ab^j A^ab,
-    rotation - 1 = R_abi^j A^ab / 2                  (A^ab the signed area, sums over all a, b)
+    G' = G [[omega, e], [0, 0]], G(0) = 1, G(1) = [[rotation, burgers], [0, 1]] with
+    omega_i^j = omega_ai^j q'^a
+    e^i = e^i_a q'^a
+    (omega_i^j in row j). Small loops of signed area A^ab, summed over all a, b, have
+    burgers^j = S_ab^j A^ab
+    and the rotation minus 1 is R_abi^j A^ab / 2.
 
     Parameters
     ----------
@@ -258,12 +261,12 @@ def develop(
         Any connection; for the Cartan connection of a frame the rotation is 1 and burgers the
         plain loop integral of the coframe.
     accuracy
-        Wanted error, relative to the integral of the absolute values along the chosen route.
+        Requested error, relative to the integral of the absolute values along the chosen route.
     parameters
         Values of the parameters of frame and loop, {symbol or name: number}.
     defects
-        Lines to look for inside the loop. If not given: those that `find_defects` finds, where
-        both routes differ.
+        Lines to look for inside the loop. None: where both routes differ, the lines from
+        `find_defects`.
 
     Returns
     -------

@@ -37,7 +37,7 @@ from geomtorsion.support.precision import EXACT_BITS, ball_precision, series_len
 Result: TypeAlias = BurgersVector | Development | Solution | HasInterpolant
 ALWAYS = (
     "components that a zero test dropped vanish, with the certainty of that test",
-    "floats are the dyadic numbers that they are; fractions, text and expressions are exact",
+    "floats are exact binary fractions; fractions, text and expressions are exact",
     "FLINT's ball arithmetic is right",
 )
 
@@ -255,8 +255,8 @@ def prove(
 ) -> Proof:
     """Prove a result: balls that contain the true value, and whether its error holds.
 
-    The numbers are made again by ball arithmetic (FLINT) from the exact expressions, by routes that
-    share nothing with the computation of the result. It takes 2 to 3,000 times as long.
+    The numbers are computed again by ball arithmetic (FLINT) from the exact expressions, by routes
+    that share nothing with the computation of the result. It takes 2 to 3,000 times as long.
 
     Parameters
     ----------

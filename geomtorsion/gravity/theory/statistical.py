@@ -20,12 +20,14 @@ def statistical(
 
     Equation
     --------
-    Gamma_abc = Gamma_bar_abc - alpha C_abc / 2          [Amari1985]; then D_a g_bc = alpha C_abc
+    Gamma_abc = Gamma_bar_abc - alpha C_abc / 2          [Amari1985]
+    D_a g_bc = alpha C_abc
 
     Parameters
     ----------
     metric
-        A frame; of a family of distributions its Fisher metric: `Frame.from_metric`.
+        A frame; for a family of distributions the frame of its Fisher metric, by
+        `Frame.from_metric`.
     cubic
         C_abc, totally symmetric: nested lists, shape (n, n, n), or a tensor with slots ddd.
     alpha

@@ -11,6 +11,7 @@ import pytest
 
 from geomtorsion.teaching.lab import guides, problems, views
 from geomtorsion.teaching.lab.localized import localized
+from tests.browser import Watched, loaded
 from tests.teaching.lab.serving import served
 from tests.teaching.lab.session import PATIENCE, Session, run
 
@@ -102,3 +103,23 @@ def test_a_served_page_is_german():
         shown = run(asyncio.wait_for(opened(url), 2 * PATIENCE))
     for words in ("Torsionslabor", "Prüfen", "1.1 Die Beine eines Korahmens"):
         assert words in shown
+
+
+@pytest.mark.parametrize(
+    ("language", "label", "title", "tab", "sent"),
+    [
+        ("en", "Parts of the lab", "Torsion lab", "Loops", "Uploaded 1 file."),
+        ("de", "Teile des Labors", "Torsionslabor", "Schleifen", "Hochgeladen: 1 Datei."),
+    ],
+)
+def test_parts_that_marimo_draws(
+    watched: Watched, address: str, language: str, label: str, title: str, tab: str, sent: str
+):
+    """The document, its group of tabs and its upload field are in the language of the page."""
+    page = loaded(watched, f"{address}?language={language}").page
+    page.get_by_role("tablist", name=label, exact=True).wait_for()
+    assert (page.evaluate("document.documentElement.lang"), page.title()) == (language, title)
+    watched.tab(tab).wait_for_selector("#loop svg")
+    file = {"name": "a.csv", "mimeType": "text/csv", "buffer": b"a,b\n1,2"}
+    page.locator("input[type=file]").set_input_files(file)
+    page.get_by_text(sent, exact=True).wait_for()
