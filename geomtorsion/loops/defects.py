@@ -304,12 +304,12 @@ def winds_around_line(
 
     Rounding of a large loop hides a small charge, so that line and surface seem to agree.
     """
-    lines = [one for one in find_defects(frame, connection) if one.across is not None]
+    lines = [(x, x.across) for x in find_defects(frame, connection) if x.across is not None]
     if not lines or loop.gap.any():
         return False
     points = np.concatenate([x.reshape(len(x), -1) for _, _, x in arc_samples(part)], axis=1)
-    for one in lines:
-        across = np.array(rows(one.across, len(points)))
+    for one, sides in lines:
+        across = np.array(rows(sides, len(points)))
         low, high = (across @ points).min(axis=1), (across @ points).max(axis=1)
         # Twice the box of the samples contains the curve between them.
         apart = np.abs(across @ np.array(one.place(parameters)) - (low + high) / 2)

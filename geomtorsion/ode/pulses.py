@@ -18,7 +18,7 @@ BENT = {"exp", "sinh", "cosh", "tanh", "erf", "erfc", "atan"}
 
 
 def pulses(rates: Rates, parameters: Mapping[str, Real], end: float) -> tuple[float, ...]:
-    """Times around each narrow pulse of the time alone up to an end, in order.
+    """Times up to an end around each narrow pulse that depends only on the time, in order.
 
     A pulse is where the argument of a function, or a denominator, is smallest; from its width on,
     each second time is twice as far from it.
@@ -57,6 +57,9 @@ def pulses(rates: Rates, parameters: Mapping[str, Real], end: float) -> tuple[fl
                 if 2 * near[best] > near.max() or abs(high - low) < 64 * EPS * abs(end):
                     break
                 low, high = times[max(best - 1, 0)], times[min(best + 1, 8)]
+            if not 2 * near[best] > near.max():
+                # A pole, which ends the motion.
+                continue
             width, top = abs(float(high - low)) / 2, float(times[best])
             count = 2 * math.ceil(math.log2(abs(end) / (PARTS * width))) + 2
             apart = (s * width * 2.0 ** (j / 2) for j in range(count) for s in (-1, 1))

@@ -54,7 +54,7 @@ def undecided_root(
                 matrix = np.array(slopes.numpy()(*moved), dtype=float).reshape(count, count)
                 finite = np.isfinite(matrix).all()
                 growth.append(np.linalg.eigvals(matrix).real.max() if finite else np.nan)
-        # Of a power p it grows at least as step**((p - 1)/count).
+        # The growth rate of a power p is at least step**((p - 1)/count).
         if growth[1] > 2 * max(growth[0], 0.0) > 0:
             return root
     return None
