@@ -170,9 +170,8 @@ def verified(
 class _Attempt(NamedTuple):
     """The comparison of an answer at one tolerance.
 
-    reference: the finer run, and gap: the difference from it.
-    noise: what roundings add to the gap, and shown: the changed run that shows most of it, if any
-        were made. changed: all of these runs. amplified: as in `Verified`.
+    reference: the finer run; gap: the difference from it; noise: what roundings add to the gap.
+    shown: the changed run with most of it, if any; changed: all of these. amplified: as `Verified`.
     """
 
     reference: Trajectory
@@ -364,7 +363,8 @@ class _Pair(NamedTuple):
                 extent = max([self.sizes[k] for k in group])
                 part = gap / extent if extent > 0 else math.inf
                 if part > UNALIKE:
-                    part = gap / _size_of_noise(self.parts[0][1].stage, one, group, extent)
+                    size = _size_of_noise(self.parts[0][1].stage, one, group, extent)
+                    part = gap / size if size > 0 else math.inf
                 worst = max(worst, part)
         return worst
 

@@ -6,6 +6,7 @@ import math
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, replace
 from functools import partial
+from itertools import pairwise
 from pathlib import Path
 from typing import TypeAlias
 
@@ -163,7 +164,8 @@ def solve(
     with reports(progress, "motion") as show:
         report = None if show is None else Report(show, float(scaled[-1]))
         try:
-            request = _Request(problem, times, scaled, accuracy, engine, store, report)
+            pulses = problem.pulses(float(scaled[-1]))
+            request = _Request(problem, times, scaled, accuracy, engine, store, report, pulses)
             solution = _Attempts(request).solution()
         finally:
             if store is not None:
@@ -179,6 +181,7 @@ class _Request:
 
     times: in the units of the motion; grid: of the samples, in the time of the stages.
     engine: None chooses. kept: the file of the parts of a run. report: of the finished fraction.
+    pulses: times at which all runs end and continue.
     """
 
     problem: Problem
@@ -188,14 +191,16 @@ class _Request:
     engine: Engine | None
     kept: Checkpoint | None
     report: Report | None
+    pulses: tuple[float, ...]
 
     def runs_of(self, engine: Engine, *, last: bool = True) -> _Runs:
         """What the runs of one engine have in common."""
         end = float(self.grid[-1])
         cuts = () if self.kept is None else tuple(end * k / PARTS for k in range(1, PARTS))
         return _Runs(
-            self.problem, engine, self.accuracy, self.grid, cuts, self.kept, self.report, last
-        )
+            self.problem, engine, self.accuracy, self.grid, cuts, self.kept, self.report, last,
+            pulses=self.pulses,
+        )  # fmt: skip
 
     def solution(self, reason: str, result: Verified, runs: Sequence[Trajectory]) -> Solution:
         """The answer with its error and cost."""
@@ -268,13 +273,11 @@ class _Attempts:
 
     def _too_coarse(self) -> AccuracyError:
         """The error where no engine has the accuracy."""
-        none = f"gives {'no ' if self.names else ''}two runs to compare"
-        got = f"gets to {self.best:.2g}" if math.isfinite(self.best) else none
-        return AccuracyError(
-            f"expected accuracy {self.request.accuracy:.3g}; "
-            f"{', then '.join(self.names) or 'no available engine'} {got}. "
-            + _remedy(self.request.engine)
-        )
+        got = f"gives {'no ' if self.names else ''}two runs to compare"
+        got = f"gets to {self.best:.2g}" if math.isfinite(self.best) else got
+        names = ", then ".join(self.names) or "no available engine"
+        expected = f"expected accuracy {self.request.accuracy:.3g}"
+        return AccuracyError(f"{expected}; {names} {got}. " + _remedy(self.request.engine))
 
 
 def _stuck_error(problem: Problem, solution: Solution) -> GeomtorsionError:
@@ -290,7 +293,7 @@ class _Runs:
 
     grid: the times of the samples; cuts: times at which runs end and continue.
     last: whether no more precise engine follows. fineness: of the parts of the way that the finer
-        run does not pass over in one step.
+        run does not pass over in one step. pulses: times at which all runs end and continue.
     """
 
     problem: Problem
@@ -302,6 +305,7 @@ class _Runs:
     report: Report | None
     last: bool = True
     fineness: int = 1
+    pulses: tuple[float, ...] = ()
 
     @property
     def limit(self) -> float:
@@ -319,7 +323,8 @@ class _Runs:
             amplified=amplified, last=self.last,
         )  # fmt: skip
         runs += result.runs
-        return result
+        # Within a pulse the roundings of the time count; one difference of them may be small.
+        return result._replace(error=SAFETY**3 * result.error) if self.pulses else result
 
     @property
     def parts(self) -> tuple[float, ...]:
@@ -349,13 +354,18 @@ class _Runs:
                 roundings = Roundings(part, max(answer.steps, 1), float(self.grid[-1]), pattern)
             else:
                 moved = MAGNIFIED * change_by_rounding(engine.precision, answer.steps)
+        cuts = () if answer and self.kept is None and not pattern else self.cuts
+        pulses = self.pulses
+        if answer is not None:
+            # Cut elsewhere, it rounds the time in another way.
+            pulses = tuple((a + b) / 2 for a, b in pairwise(pulses))
         try:
             return integrate(
                 self.problem.first_stage(engine.precision, moved),
                 grid,
                 tolerance,
                 engine,
-                cuts=() if answer and self.kept is None and not pattern else self.cuts,
+                cuts=sorted({*cuts, *pulses}, key=abs) if pulses else cuts,
                 roundings=roundings,
                 longest=longest,
                 runner=self.kept
@@ -383,7 +393,8 @@ def verified_motion(
 
     grid: times in the time of the stages.
     """
-    return _followed(_Runs(problem, engine, accuracy, grid, (), None, None), [])
+    pulses = problem.pulses(float(grid[-1]))
+    return _followed(_Runs(problem, engine, accuracy, grid, (), None, None, pulses=pulses), [])
 
 
 def _followed(
