@@ -28,9 +28,9 @@ from geomtorsion.support.executors import Executor
 # A ray that has come this much nearer to an edge of the domain than the camera is captured. Light
 # that comes so near does not return; nearer to it, frame velocities only grow.
 NEARER = 1e-9
-# A ray that is so many times as far from the edge as the camera has escaped.
+# A ray has escaped at this multiple of the distance of the camera from the edge.
 FARTHER = 4
-# Rays are followed over so many times the distance of the camera, that is: for many turns.
+# Length of rays in units of the distance of the camera: many turns.
 LENGTHS = 64
 # Angles from the axis of the camera among which the edge is found before it is bisected.
 SCANNED = 24
@@ -147,7 +147,8 @@ class Shadow:
         pixels
             rays along each side.
         field
-            angle that the image is wide, in radians below pi; None: half as wide again as the edge.
+            width of the image as an angle, in radians below pi; None: 1.5 times the width of the
+            edge.
         accuracy
             of each ray, as in `solve_many`.
 
@@ -168,7 +169,7 @@ class Shadow:
             field = min(2 * WIDER * float(self.edge(8, 1e-3).radii.max()), 0.9 * math.pi)
         width = checks.positive(field, "field", StartError)
         if not width < math.pi:
-            raise StartError(f"field: expected an angle below pi, got {width:.6g}. Give less.")
+            raise StartError(f"field: expected an angle below pi, got {width:.6g}.")
         side = math.tan(width / 2) * ((2 * np.arange(count) + 1) / count - 1)
         x, y = np.meshgrid(side, -side)
         rays = self._traced(self.directions(x, y).reshape(-1, 3), accuracy, progress)
@@ -262,7 +263,7 @@ def shadow(
     engine: Engine | None = None,
     executor: Executor | None = None,
 ) -> Shadow:
-    """Shadow in the light that reaches a camera, for any orthonormal tetrad.
+    """Shadow of a black hole, or of any region that captures light, in an orthonormal tetrad.
 
     The legs of the tetrad carry the camera: a direction n in the spatial legs is a pixel, and its
     ray is followed back with the frame velocity u = (-1, n) until it is captured or escapes.
@@ -303,7 +304,7 @@ def shadow(
     StartError
         the camera is not in the domain, or there is no edge of the domain and no `dark`, `sky`.
     ShapeError
-        a direction has not three components, or vanishes.
+        a direction does not have three components, or vanishes.
 
     Examples
     --------
@@ -327,7 +328,7 @@ def shadow(
     slope, far = _slope(rays, len(texts), spatial)
     if not far > 0 and (axis is None or length is None):
         raise StartError(
-            "dark: expected a condition that changes with the place of the camera, got "
+            "dark: expected a condition that changes with the position of the camera, got "
             f"{', '.join(texts)}. Give axis and length."
         )
     lines = _directions(axis, up, slope)

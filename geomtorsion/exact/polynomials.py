@@ -75,7 +75,7 @@ def split(poly: fmpq_mpoly, position: int) -> tuple[fmpq_mpoly, fmpq_mpoly]:
 
 
 def product(one: fmpq_mpoly, two: fmpq_mpoly, pairs: int) -> fmpq_mpoly:
-    """The product, in pieces of so many pairs of terms: between them one can stop."""
+    """The product, in pieces of a limited number of pairs of terms; work can stop between them."""
     if len(one) * len(two) <= pairs:
         return one * two
     long, short = (one, two) if len(one) > len(two) else (two, one)

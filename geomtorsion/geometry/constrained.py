@@ -109,7 +109,7 @@ def _over_legs(frame: Frame, allowed: tuple[int, ...]) -> Connection:
     """The constrained connection of some legs of a frame."""
     if len(set(allowed)) < len(allowed):
         raise TensorIndexError(
-            f"allowed: expected each leg once, got {list(allowed)}. Leave the second one out."
+            f"allowed: expected each leg once, got {list(allowed)}. Give it once."
         )
     permitted = frozenset(allowed)
     for (i, j), value in frame.eta.components.nonzero.items():

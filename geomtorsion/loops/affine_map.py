@@ -95,7 +95,7 @@ class AffineMap:
         Raises
         ------
         LoopError
-            There is no real logarithm, or no single one: half a turn in some plane.
+            There is no real logarithm, or it is not unique (half a turn in some plane).
         """
         return -logarithm(self.turn)
 
@@ -153,8 +153,8 @@ class AffineMap:
     def centre(self) -> np.ndarray | None:
         """The point of the screw axis nearest to the base point, in the frame there, shape (n,).
 
-        In two and three dimensions: where the defect seems to sit, seen along the loop.
-        None without a turn.
+        In two and three dimensions it is the apparent position of the defect. None without a
+        rotation.
         """
         n = len(self.increment) - 1
         if not np.abs(self.turn).max() > 0:
@@ -223,7 +223,7 @@ def logarithm(turn: np.ndarray) -> np.ndarray:
         values = np.linalg.eigvals(identity + turn)
         if np.abs(values[values.real < 0].imag).min() < 1e-9:
             raise LoopError(
-                "the rotation has no single real logarithm: it is half a turn in some plane. "
+                "the rotation has no unique real logarithm: it is half a turn in some plane. "
                 "Use .rotation, or .angle and .axis."
             )
     log = np.array(scipy.linalg.logm(identity + turn))

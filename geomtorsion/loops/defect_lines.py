@@ -24,10 +24,10 @@ Elements = dict[tuple[int, int], Element]
 
 @dataclass(frozen=True, eq=False)
 class Lines(Mapping[str, Elements]):
-    """What a frame of parallel lines is made from, as `Frame.given`; exact entries are made late.
+    """Data of a frame of parallel lines, for `Frame.given`; exact entries are made on first use.
 
     A sum over n lines has n quadratic denominators: over their product it is a polynomial of degree
-    2 n, which nobody can sum. Loops sum line by line instead, without exact entries.
+    2 n, which is too large. Loops sum line by line instead, without exact entries.
 
     coordinates: x, y, z. field: of the frame.
     places: (x_k, y_k), exact; vectors: b_k^i, exact, none of them zero.
@@ -198,14 +198,14 @@ def parallel_dislocations(
     Parameters
     ----------
     positions
-        (x_k, y_k), shape (m, 2); numbers or expressions. Floats are taken as they are written.
+        (x_k, y_k), shape (m, 2); numbers or expressions. Floats are read as decimals: 0.1 is 1/10.
     burgers
         b_k^i, shape (m, 3).
 
     Raises
     ------
     ShapeError
-        There is not one Burgers vector per position, or two lines coincide.
+        The numbers of Burgers vectors and positions differ, or two lines coincide.
 
     Examples
     --------
@@ -258,7 +258,7 @@ def parallel_edges(positions: Sequence[Exact], burgers: Sequence[Exact]) -> Fram
 
 
 def dispiration(alpha: Number | str, b: Number | str) -> Frame:
-    """A wedge of angle 2 pi (1 - alpha) cut out and the faces joined one step b higher.
+    """Dispiration: a wedge of angle 2 pi (1 - alpha) is removed, the faces joined a step b higher.
 
     Equation
     --------

@@ -78,7 +78,7 @@ class Loop:
         Raises
         ------
         LoopError
-            The radius is not positive, a number is not finite, or the plane is none.
+            The radius is not positive, a number is not finite, or the plane is invalid.
 
         Examples
         --------
@@ -95,12 +95,12 @@ class Loop:
         plane: Plane = (0, 1),
         name: str = "ellipse",
     ) -> Self:
-        """Ellipse with two semi-axes along the directions of a plane (vectors count as given).
+        """Ellipse with two semi-axes along the directions of a plane (vectors are not normalized).
 
         Raises
         ------
         LoopError
-            A semi-axis is not positive, a number is not finite, or the plane is none.
+            A semi-axis is not positive, a number is not finite, or the plane is invalid.
 
         Examples
         --------
@@ -152,12 +152,12 @@ class Loop:
         plane: Plane = (0, 1),
         name: str = "plaquette",
     ) -> Self:
-        """Parallelogram from a corner, one step along the first direction of a plane at first.
+        """Parallelogram from a corner; its first side is along the first direction of the plane.
 
         Raises
         ------
         LoopError
-            A step is zero, a number is not finite, or the plane is none.
+            A step is zero, a number is not finite, or the plane is invalid.
 
         Examples
         --------
@@ -297,8 +297,8 @@ class Loop:
         if np.abs(gap).max() > allowed:
             raise LoopError(
                 f"{self.name} starts at {shown(one.base)}, {other.name} at {shown(two.base)}: "
-                f"they miss each other by {shown(gap)}. Loops are run through one after the other "
-                "from one base point; give them the same one, for instance by polygons."
+                f"the gap is {shown(gap)}. Consecutive loops need a common base point: give both "
+                "the same base point, for instance as polygons."
             )
         return Loop(self.parts + other.parts, f"{self.name} then {other.name}")
 
@@ -379,7 +379,7 @@ class Loop:
 
     @property
     def gap(self) -> np.ndarray:
-        """Whole periods from its start to its end, shape (n,): zero where it closes as it is."""
+        """Whole periods from its start to its end, shape (n,): zero if it closes without them."""
         total = np.zeros(self.dimension)
         for part in self.parts:
             if part.gap:

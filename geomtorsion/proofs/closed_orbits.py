@@ -27,8 +27,8 @@ from geomtorsion.support.precision import ball_precision, series_length
 
 # Newton's method takes no more steps than this, and halves a step no more often.
 MOST_NEWTON = 20
-# Newton's method begins with so many bits, and ends three bits above rounding; then steps with the
-# last slopes take over.
+# Bits with which Newton's method begins; it ends three bits above rounding, and steps with the last
+# slopes follow.
 ROUGH = 23
 ROUGHLY = 2.0 ** (3 - ROUGH)
 # Half sides of the boxes that are tried, in bits below the size of the orbit: from a box in which
@@ -63,7 +63,7 @@ def closed_orbit(
         An ODE without the time in its rates, or a geodesic, autoparallel or constrained motion,
         which is written in its home chart.
     period
-        Rough guess of the period T > 0, which is searched between its half and its double.
+        Rough guess of the period T > 0; the search covers half of it to twice it.
     near
         Rough guess of the start, as for `ODE.with_start`; None: the start of the problem. States of
         a curve are its coordinates and u1, u2, ...
@@ -72,14 +72,15 @@ def closed_orbit(
         list of several. None: the plane through `near` across the motion.
     symmetry
         States that change their sign where the motion is reversed in time, or state -> value of
-        its mirror. The orbit starts and half-ends on the mirror; only half of it is followed.
+        its mirror. The orbit starts on the mirror and returns to it after half a period; only this
+        half is computed.
     conserved
         Names of invariants, or expressions, which keep the value that they have at `near`; or
         expression -> value. Closed orbits come in families where something is conserved: each such
         quantity needs a value, or a section instead where there is a symmetry.
     shift
-        State -> number by which it grows in one period, such as 2*pi for an angle; None for a
-        state on which nothing depends and which need not return.
+        State -> number by which it grows in one period, such as 2*pi for an angle; None for a state
+        that need not return because no rate depends on it.
     digits
         How many digits of the start and the period, from 1 to 1000.
 
@@ -185,8 +186,8 @@ class _Search:
         here = self._tried(unknown, names)
         if here is None:
             raise ProofError(
-                "the motion from the guess is not followed over the guessed period. Give another "
-                "start or period."
+                "the motion from the guess cannot be followed over the guessed period. Give "
+                "another start or period."
             )
         for _ in range(MOST_NEWTON):
             _, inverse, step = here

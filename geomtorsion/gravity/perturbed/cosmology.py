@@ -28,6 +28,7 @@ from geomtorsion.gravity.perturbed.geometries import (
     names_of,
     shown,
     theory_in,
+    titled,
 )
 from geomtorsion.gravity.perturbed.time_orders import TimeOrders, orders_of_cosmos
 from geomtorsion.gravity.theory.field_equations import FieldEquations, equations
@@ -91,9 +92,9 @@ def check_signs(equations: FieldEquations) -> None:
 class TensorModes:
     """Gravitational waves on a flat cosmos: M^2 (h'' + friction h' - (c_T/a)^2 h_zz + m^2 h) = 0.
 
-    H(t) is the rate of expansion, a'/a. Functions such as f(T) stay unknown. Where parity is
-    violated, the waves are circular ones, h = exp(i k z), of helicity +1 or -1 (times two), and
-    the results contain the symbols helicity and k.
+    H(t) is the rate of expansion, a'/a. Functions such as f(T) stay unknown. If parity is violated,
+    the waves h = exp(i k z) are circularly polarized with helicity +2 or -2. The results then
+    contain the symbols k and helicity, which is +1 or -1.
 
     equations: field equations of the cosmos with the wave, at first order.
 
@@ -108,13 +109,13 @@ class TensorModes:
     equations: FieldEquations
 
     def check(self) -> None:
-        """Refuse waves of another order in time than two."""
+        """Refuse waves that are not of second order in time."""
         check_signs(self.equations)
         orders = self._parts.keys()
         if not orders:
             raise GravityError(
                 "tensor_modes: expected a theory with gravitational waves, got none for "
-                f"{self.equations.lagrangian!r}. Add a term of gravity such as R/2."
+                f"{titled(self.equations.lagrangian)}. Add a term of gravity such as R/2."
             )
         if (2, 0) not in orders or orders - {(2, 0), (1, 0), (0, 2), (0, 0)}:
             raise GravityError(
@@ -194,7 +195,7 @@ class TensorModes:
 
     @cached_property
     def speed2(self) -> sp.Expr:
-        """The square of the speed of the waves, c_T^2; of the phase where it depends on k."""
+        """The squared speed of the waves, c_T^2; the phase speed where it depends on k."""
         if self.violates_parity:
             waves = self._circular(0) - self._circular(0).subs(WAVE_NUMBER, 0)
             return sp.factor(waves * SCALE**2 / WAVE_NUMBER**2 / self._circular(2))
@@ -296,7 +297,7 @@ class TensorModes:
 
     def __str__(self) -> str:
         lines = [
-            f"gravitational waves of {self.equations.lagrangian!r}",
+            f"gravitational waves of {titled(self.equations.lagrangian)}",
             f"M^2 = {shown(self.kinetic)}",
             f"c_T^2 = {shown(self.speed2)}",
             f"friction = {shown(self.friction)}",
@@ -336,8 +337,8 @@ def tensor_modes(
     lagrangian
         As in `gravity.equations`; functions such as f(R) stay unknown.
     geometry
-        "riemannian", "teleparallel" or "symmetric teleparallel". A `gravity.Lagrangian` knows its
-        own. Beside T or Q, the Lagrangian may contain Rbar: f(T, Rbar + T).
+        "riemannian", "teleparallel" or "symmetric teleparallel"; the default is read from
+        the Lagrangian, see `spectrum`. Beside T or Q, the Lagrangian may contain Rbar: f(T, Rbar + T).
     scalars
         Names of scalar fields that depend on the time, "phi".
     constants, invariants
@@ -350,13 +351,13 @@ def tensor_modes(
 
     Examples
     --------
-    The speed of waves with the term of Gauss and Bonnet (Kobayashi et al. 2011).
+    The speed of waves with a Gauss-Bonnet term (Kobayashi et al. 2011).
 
     >>> from geomtorsion.gravity import perturbed
     >>> perturbed.tensor_modes("R/2 - X/2 + c*phi*GB", "riemannian", scalars="phi").speed2
     (8*c*Derivative(phi(t), (t, 2)) + 1)/(8*c*H(t)*Derivative(phi(t), t) + 1)
     """
-    name = geometry_of(lagrangian, geometry)
+    name = geometry_of(lagrangian, geometry, invariants)
     if name not in WITHOUT_CONNECTION:
         raise GravityError(
             f"tensor_modes: expected a geometry of {', '.join(WITHOUT_CONNECTION)}, got {name}. "

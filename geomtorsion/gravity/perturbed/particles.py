@@ -21,6 +21,7 @@ from geomtorsion.gravity.perturbed.geometries import (
     small_frame,
     small_matter,
     theory_in,
+    titled,
 )
 from geomtorsion.gravity.perturbed.sectors import Sector, helicities, spins
 from geomtorsion.gravity.perturbed.taylor import about_flat_space
@@ -39,7 +40,7 @@ FREQUENCY, WAVE_NUMBER = sp.symbols("w k")
 class Particle:
     """One kind of particle.
 
-    spin: of a massive particle; of a massless one the size of its helicity.
+    spin: spin of a massive particle, size of the helicity of a massless one.
     parity: +1 or -1; 0 where terms of both parities mix, and for massless particles.
     mass2: the square of the mass, a formula in the couplings; None where only `equation` is known.
         The particle is then one for each root.
@@ -148,6 +149,7 @@ class Spectrum:
     --------
     >>> from geomtorsion.gravity import perturbed
     >>> print(perturbed.spectrum("R/2 + c*R**2", "riemannian"))
+    particles of L = R/2 + c*R**2 (riemannian)
     2 particles, 3 degrees of freedom, 10 gauge functions
     massless, helicity +-2, energy positive, 2 modes
     spin 0+, m^2 = 1/(12*c), energy positive, 1 mode
@@ -247,6 +249,7 @@ class Spectrum:
 
     def __str__(self) -> str:
         count = len(self.particles)
+        title = f"particles of {titled(self.lagrangian, self.geometry)}"
         head = f"{count} particle{'s' if count != 1 else ''}, {self.degrees_of_freedom} degrees of "
         head += f"freedom, {self.gauge} gauge functions"
         if self.conditions:
@@ -258,7 +261,7 @@ class Spectrum:
         if self.healthy == sp.false and self.healthy_opposite != sp.false:
             other = _healthy_text(self.healthy_opposite)
             last += f"\nthe opposite action, L = -({self.lagrangian.expression}): {other}"
-        return "\n".join([head, *map(str, self.particles), *odd, last])
+        return "\n".join([title, head, *map(str, self.particles), *odd, last])
 
     __repr__ = __str__
 
@@ -418,11 +421,13 @@ def spectrum(
         derivatives in flat space: f_0, f_R, f_RR of f(R), where f_0 = 0 makes it a solution.
     geometry
         "riemannian", "teleparallel", "symmetric teleparallel", "poincare" (metric connection with
-        torsion) or "metric-affine". A `gravity.Lagrangian` knows its own.
+        torsion) or "metric-affine". By default the geometry of a `gravity.Lagrangian`, or the
+        geometry with the fewest fields in which no invariant vanishes: riemannian for R,
+        teleparallel for T, symmetric teleparallel for Q, poincare for R and T.
     scalars
         Names of scalar fields, "phi" or "phi chi"; the first has the kinetic term X.
     vectors
-        How many vector fields A, with F2, F2_2, ...
+        Number of vector fields, which the Lagrangian names F2, F2_2, ...
     constants, invariants
         As in `gravity.equations`.
 
@@ -441,7 +446,7 @@ def spectrum(
     >>> perturbed.spectrum("T", "teleparallel").degrees_of_freedom
     2
     """
-    name = geometry_of(lagrangian, geometry)
+    name = geometry_of(lagrangian, geometry, invariants)
     kind = GEOMETRIES[name]
     frame, fields = small_frame()
     matter, more = small_matter(

@@ -17,7 +17,7 @@ from geomtorsion.geometry.numeric.power_series import PowerSeries
 from geomtorsion.gravity.charges.spheres import number
 from geomtorsion.gravity.numeric.solution_jets import Jet, noise
 from geomtorsion.gravity.numeric.varied import Potentials, Setting, varied
-from geomtorsion.gravity.perturbed.geometries import GEOMETRIES, OF_THEORY, names_of, theory_in
+from geomtorsion.gravity.perturbed.geometries import GEOMETRIES, geometry_of, names_of, theory_in
 from geomtorsion.gravity.perturbed.hilbert import confirmed, fitted, polynomial
 from geomtorsion.gravity.perturbed.trial_fields import (
     moved,
@@ -51,8 +51,8 @@ class DegreesOfFreedom:
     numbers: H(q), q = 0, 1, ...: Taylor coefficients of all fields up to order q that are free
         for nearby solutions. shorter: the same from series with one order less.
     gauge: pairs (number of gauge functions, derivatives with which they enter the fields).
-    place: order from which the numbers that are the same with one order less fit a phase space
-        and a gauge symmetry; None where they do not, or are too few for a check.
+    place: order from which the confirmed numbers fit a phase space and a gauge symmetry; None if
+        they do not fit, or are too few for a check.
     gaps: smallest singular value that counts in a rank, and largest that does not.
     residual: largest coefficient of the equations on the solution.
     branch: names of the invariants of the Lagrangian whose gradient vanishes at the point of the
@@ -82,7 +82,7 @@ class DegreesOfFreedom:
 
     @cached_property
     def reduced(self) -> tuple[int, ...]:
-        """H(q) less the coefficients of the gauge functions: the growth of the phase space."""
+        """H(q) minus the coefficients of the gauge functions: the growth of the phase space."""
         n = self.dimension
         return tuple(
             number - sum(m * math.comb(q + o + n, n) for m, o in self.gauge)
@@ -115,7 +115,7 @@ class DegreesOfFreedom:
 
     @property
     def is_clear(self) -> bool:
-        """Whether all ranks are sure: no singular value between rounding and half of the digits."""
+        """Whether all ranks are clear: no singular value between rounding and half the digits."""
         size = noise((max(self.numbers),))
         return self.gaps[0] > math.sqrt(size) and self.gaps[1] < 10 * size
 
@@ -227,10 +227,12 @@ def degrees_of_freedom(
     All fields are power series at a point. Newton's method finds a solution of all field equations
     up to an order, and the rank of the linearized equations gives H(q), the number of Taylor
     coefficients up to order q that are free for nearby solutions; hidden constraints are included.
-    A function of n variables in the solution adds (q + n over n) to H(q), and is gauge; a function
-    of n - 1 variables adds (q + n - 1 over n - 1). Two of these are a degree of freedom.
+    A free function of all n variables adds binomial(q + n, n) to H(q), and is gauge; a free
+    function of n - 1 variables adds binomial(q + n - 1, n - 1). Two functions of n - 1 variables
+    are one degree of freedom.
 
-    Nothing is proved: the count is that near one solution, in doubles, with clear ranks.
+    Nothing is proved: the count is numerical (doubles, with clear ranks) and holds near one
+    solution.
 
     Parameters
     ----------
@@ -238,12 +240,14 @@ def degrees_of_freedom(
         Text or a theory, as in `gravity.equations`.
     geometry
         "flat" (only matter varies), "riemannian", "teleparallel", "symmetric teleparallel" (in the
-        coincident gauge) or "poincare" (coframe and metric connection); the one of the theory.
+        coincident gauge) or "poincare" (coframe and metric connection). The default is
+        read from the Lagrangian, see `spectrum`; flat where it contains only matter.
     dimension
         2, 3 or 4; 4 takes minutes for theories of a coframe.
     near
         Frame of signature -++... near which the solution is searched, at its sample point, or an
-        earlier answer, whose fields are the start; without it flat space. Coordinates are its own.
+        earlier answer, whose fields are the start; None: flat space. Coordinates are the
+        coordinates of the frame.
     scalars
         Names of scalar fields, or names with formulas near which they are searched.
     vectors
@@ -254,9 +258,10 @@ def degrees_of_freedom(
         Values of the constants of the Lagrangian; others get a value, which `.assumed` lists.
     order
         Highest order of the power series; by default the dimension plus the order of the
-        equations, and one more where the count is not settled. H only falls where it grows.
+        equations, and up to three more where the count is not settled. A higher order can only
+        lower H.
     seed
-        Of the random change of the start: equal calls give equal answers.
+        Seed of the random change of the start: equal calls give equal answers.
 
     Raises
     ------
@@ -272,11 +277,12 @@ def degrees_of_freedom(
     (Fraction(1, 1), True, ((1, 1),))
     """
     n = checks.count(dimension, "dimension", GravityError, 2, 4)
-    name = _geometry(lagrangian, geometry)
+    own = listed(invariants, Invariant, "invariants", "gravity.invariant(name, formula)")
+    bare = "flat" if scalars or vectors or two_forms else "riemannian"
+    name = geometry_of(lagrangian, geometry, own, NAMES, bare)
     theory = (
         theory_in(lagrangian, name) if name in GEOMETRIES else theory_in(lagrangian, "poincare")
     )
-    own = listed(invariants, Invariant, "invariants", "gravity.invariant(name, formula)")
     theory = replace(theory, geometry="any",
                      constants=(*declared_constants(theory.constants),
                                 *declared_constants(constants)),
@@ -313,20 +319,22 @@ def degrees_of_freedom(
         )
     values, assumed = _constants(setting, parameters)
     setting = replace(setting, constants=values)
+    setting = replace(setting, unit=_unit(setting))
     probe = PowerSeries(n, 4)
     source = near.fields if isinstance(near, DegreesOfFreedom) else near
     begun = trial(setting, probe, source, formulas)
     first = Jet(probe, moved(begun, probe, setting, seed), setting.residuals)
-    terms = sp.Add.make_args(sp.expand(theory.expression))
-    if first.is_empty(max(abs(float(_coefficient(x, values))) for x in terms)):
-        kept = np.abs(first.residual(0)).max(initial=0) > HALF
+    if first.is_empty:
+        kept = np.abs(first.residual(probe.order)).max(initial=0) > HALF
         came = "a number that is not zero" if kept else "zero for every field"
         raise GravityError(
             f"lagrangian: expected field equations, got {came} from L = {theory.expression} in {n} "
             "dimensions. Give a Lagrangian whose variation contains the fields."
         )
     highest = first.order
-    orders = [n + highest, n + highest + 1]
+    # In four dimensions, or with a connection of its own, an order more can take minutes.
+    more = 2 if n == 4 or kind.turning else 4
+    orders = [n + highest + k for k in range(more)]
     if order is not None:
         orders = [checks.count(order, "order", GravityError, highest + 1)]
     begin = "flat space" if near is None else "the start in near"
@@ -358,10 +366,21 @@ def degrees_of_freedom(
     return answer
 
 
-def _coefficient(term: sp.Expr, values: Mapping[str, Any]) -> sp.Expr:
-    """The number before the invariants of a term, with values of its constants."""
-    known = {x: sp.Rational(values[x.name]) for x in term.free_symbols if x.name in values}
-    return term.xreplace(known).as_coeff_Mul()[0]
+def _at_point(setting: Setting) -> FieldEquations:
+    """The theory with constant fields."""
+    flat = PowerSeries(setting.dimension, 0)
+    return setting.theory(flat, trial(setting, flat, None, {}), moving=False)
+
+
+def _unit(setting: Setting) -> Fraction:
+    """The power of two next to the largest coefficient of the Lagrangian: the unit of equations."""
+    terms = sp.Add.make_args(sp.expand(_at_point(setting).expression))
+    known = setting.constants
+    sizes = []
+    for term in terms:
+        values = {x: sp.Rational(known[x.name]) for x in term.free_symbols if x.name in known}
+        sizes.append(abs(float(term.xreplace(values).as_coeff_Mul()[0])))
+    return Fraction(2) ** round(math.log2(max(sizes))) if any(sizes) else Fraction(1)
 
 
 def _solution(
@@ -381,25 +400,12 @@ def _solution(
     return Jet(series, fields, setting.residuals).solved()
 
 
-def _geometry(lagrangian: object, name: object) -> str:
-    """The name of the geometry: given, or the one for which the theory is meant."""
-    if name is None and isinstance(lagrangian, Lagrangian):
-        name = OF_THEORY.get(lagrangian.geometry, lagrangian.geometry)
-    if name is None:
-        raise GravityError(
-            "geometry: expected a geometry, got none for a Lagrangian in text. Give one of "
-            f"{', '.join(NAMES)}."
-        )
-    return checks.choice(name, NAMES, "geometry", GravityError)
-
-
 def _constants(
     setting: Setting, parameters: Mapping[str, object] | None
 ) -> tuple[dict[str, float], list[str]]:
     """Values of the constants of the Lagrangian, and which of them were assumed."""
     given = checks.by_name(checks.table(parameters, "parameters"), "parameters", GravityError)
-    flat = PowerSeries(setting.dimension, 0)
-    names = setting.theory(flat, trial(setting, flat, None, {}), moving=False).constants
+    names = _at_point(setting).constants
     for text in given:
         checks.known_name(text, names, "parameters", GravityError, expected="a constant of L")
     values, assumed = {}, []

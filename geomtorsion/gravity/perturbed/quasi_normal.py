@@ -17,7 +17,7 @@ from geomtorsion.exact import parse_expression
 from geomtorsion.geometry.connections import FrameLike, as_frame
 from geomtorsion.gravity.perturbed.collocation import Hole, R
 from geomtorsion.gravity.perturbed.frequencies import frequencies
-from geomtorsion.gravity.perturbed.geometries import theory_in
+from geomtorsion.gravity.perturbed.geometries import geometry_of, theory_in
 from geomtorsion.gravity.perturbed.hole_waves import SYSTEMS, Theory
 from geomtorsion.gravity.perturbed.static_holes import chart_of, fields_of
 from geomtorsion.gravity.theory.lagrangian import Lagrangian, known_as, names
@@ -88,7 +88,7 @@ class Mode:
 
 @dataclass(frozen=True, repr=False)
 class Ringing:
-    """How a static black hole rings: its modes, those damped least first.
+    """Quasi-normal modes of a static black hole, the least damped ones first.
 
     lagrangian: the theory. f: g_tt = -f, with its values.
     """
@@ -137,7 +137,7 @@ def ringing(
     modes: int = 1,
     digits: int = 8,
     parameters: Mapping[str, object] | None = None,
-    geometry: str = "riemannian",
+    geometry: str | None = None,
     matter: MatterField | Iterable[MatterField] | None = None,
 ) -> Ringing:
     """Quasi-normal modes of a static, spherical black hole of a theory.
@@ -156,22 +156,22 @@ def ringing(
         f(R) has a scalar with the mass m^2 = f'/(3 f'') - R/3 of its own [Whitt 1984].
     frame
         A frame or space with the metric -f dt^2 + dr^2/f + r^2 dOmega^2, also with another time,
-        another rational radius or Cartesian coordinates. Test fields take another g_rr.
+        another rational radius or Cartesian coordinates. Test fields may have another g_rr.
     l
         Number of the spherical harmonic: from 2 for waves of the tetrad, 1 for light, 0 for
         scalars.
     parity
         "axial", "polar" or "both".
     modes
-        How many for each field and parity, those damped least. A field with a mass is followed
-        from m = 0: a mode whose damping has decreased to 0 on the way exists no longer, and the
-        next overtone is first [Ohashi, Sakagami 2004]. A mode that is missing is an error.
+        Number of modes for each field and parity, the least damped ones. Modes of a massive field
+        are followed from m = 0: a mode whose damping falls to 0 on the way exists no longer, and
+        the next overtone becomes the first [Ohashi, Sakagami 2004]. A missing mode raises an error.
     digits
         Digits of each frequency.
     parameters
         Numbers for the parameters of frame and Lagrangian, {"M": 1}.
     geometry
-        "riemannian" or "teleparallel".
+        "riemannian" or "teleparallel"; by default teleparallel for T, riemannian for others.
     matter
         Fields of the hole: electric or magnetic, `maxwell(["Q/r", 0, 0, 0])` or
         `maxwell([0, 0, 0, "-P*cos(theta)"])`, whose waves are coupled with gravity, and a
@@ -183,7 +183,7 @@ def ringing(
         The frame is of another form or not a solution, the waves need more than two derivatives,
         or a scalar does not decouple.
     AccuracyError
-        The digits are not reached, or a mode that is damped less is missing or did not settle.
+        The digits are not reached, or a less damped mode is missing or did not converge.
 
     Examples
     --------
@@ -197,7 +197,7 @@ def ringing(
     checks.count(modes, "modes", GravityError, 1, 20)
     checks.count(digits, "digits", GravityError, 1, 30)
     checks.choice(parity, PARITIES, "parity", GravityError)
-    checks.choice(geometry, ("riemannian", "teleparallel"), "geometry", GravityError)
+    geometry = geometry_of(known, geometry, (), ("riemannian", "teleparallel"))
     space = as_frame(frame, "frame", GravityError)
     values = {str(x): _number(value, str(x)) for x, value in (parameters or {}).items()}
     chart = chart_of(space, values)

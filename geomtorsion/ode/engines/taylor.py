@@ -45,14 +45,14 @@ from geomtorsion.support.precision import EXACT_BITS
 
 # Equations of more values than this are not unrolled.
 LONGEST_UNROLLED = 400
-# Guards are watched at this part of their value: heyoka counts events among the states by whose
-# size it measures its steps.
+# Guards are scaled by this factor, because heyoka includes events among the states whose size
+# determines its steps.
 FAINT = Fraction(1, 2**30)
 # Bytes of optimised code that heyoka may leave on the disk. Its own default is 21 gigabytes; to
 # open a cache takes 0.4 seconds for each gigabyte in it.
 DISK = 2**28
-# After so many portions of steps the rest of a run has optimised code: to compile it takes as long
-# as it saves in 65,000 to 600,000 steps (tops, autoparallels, Kerr orbits).
+# After this number of portions of steps a run continues in optimised code. Compiling it takes as
+# long as it saves in 65,000 to 600,000 steps (tops, autoparallels, Kerr orbits).
 LONG = 75
 
 
@@ -279,10 +279,9 @@ class Taylor:
 
     precision: bits of the mantissa: 53 (double), 64 (long double), 113 (quadruple) to 400.
     max_steps: a run that needs more steps raises an error.
-    optimised: whether all steps have optimised code, with other last bits. To compile it takes a
-        few tenths of a second, which it saves again after some hundred thousand steps of one or of
-        many motions. Without it, a run has optimised code after 150,000 steps (37,500 above 64
-        bits).
+    optimised: whether all steps run optimised code, which changes the last bits. Its compilation
+        takes a few tenths of a second, so it pays after some hundred thousand steps of one or many
+        motions. Without it, a run has optimised code after 150,000 steps (37,500 above 64 bits).
 
     Raises
     ------
@@ -373,7 +372,7 @@ class Taylor:
         width: int = 0,
         backward: bool = False,
     ) -> tuple[Compiled, float]:
-        """The compiled integrator of a system, kept or made now; the seconds that it took."""
+        """The compiled integrator of a system, new or kept, and the seconds of compilation."""
         order, bits = order_of(tolerance), self.precision
         hoisted = system.hoisted
         shared, seconds = _compiled(
@@ -414,7 +413,7 @@ class Taylor:
         return run
 
     def batch(self, batch: Batch, tolerance: float) -> float:
-        """See `Engine`: several members in one instruction."""
+        """See `Engine`: several members in one vector instruction."""
         width = int(heyoka().recommended_simd_size()) * (2 if batch.states.shape[1] <= FEW else 1)
         backward = bool(batch.times[-1] < batch.times[0])
         compiled, compiling = self.compiled(batch.system, tolerance, width=width, backward=backward)
@@ -578,7 +577,7 @@ class Taylor:
             if at_sample or moved < STANDSTILL * abs(float(grid[-1] - grid[0])):
                 return np.concatenate(rows), "stuck", steps, longest, "the steps became too small"
             if steps > self.max_steps:
-                advice = "Ask for less accuracy or time, use engine=Stiff(), or raise max_steps."
+                advice = "Request less accuracy or time, use engine=Stiff(), or raise max_steps."
                 reached = float(integrator.time)
                 raise WorkLimitError(f"{self.max_steps} steps", reached, advice, "t")
             if watch is not None:
