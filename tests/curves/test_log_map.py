@@ -97,7 +97,7 @@ def test_a_guess_in_the_wrong_direction_leads_to_the_end():
 
 
 def test_a_long_way_over_a_sphere():
-    """The vector leads to the end, and its length is that of an arc of the great circle."""
+    """The vector leads to the end, along an arc of the great circle."""
     connection, start, end, parameters = SPHERE
     found = log_map(connection, start, end, guess=[0.3, -1.0], parameters=parameters)
     (a, b), (c, d) = start, end
