@@ -294,8 +294,8 @@ class ModularPoint:
         """The next place: other values of the symbols, modulo another prime now and then.
 
         moved: the generators that take other values, with all that depend on them, modulo the same
-        prime. Where two roots rest on x and two on y, four values of x are tried and four of y, not
-        sixteen of both.
+        prime. Where two roots depend on x and two on y, four values of x are tried and four of y,
+        not sixteen of both.
         """
         place, tried = self._place + 1, self._tried + 1
         # One point in n has a root of degree n: all of BITS * n tries fail with a chance of

@@ -224,7 +224,7 @@ class Tower(ABC):
         return Canonical(self, self.ctx.gen(0), (), self.level)
 
     def _as_sure(self, generator: Generator) -> Generator:
-        """A generator, not sure where its relation or its argument rests on unproved ones."""
+        """A generator; not sure if its relation or argument depends on unproved generators."""
         if self.all_sure:
             return generator
         argument = generator.argument

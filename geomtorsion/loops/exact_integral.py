@@ -340,7 +340,7 @@ def exact_burgers_vector(
 
 
 def _refuse_poles(frame: Frame, loop: Loop, where: Mapping[sp.Symbol, sp.Expr]) -> None:
-    """Refuse a loop through a pole: of what sympy gives there, half may be missing."""
+    """Refuse a loop through a pole: sympy may omit half of its integral."""
     values = {s.name: v for s, v in where.items() if s in frame.field.symbols}
     here = loop.at(where) if loop.symbols else loop
     for part in here.parts:

@@ -58,7 +58,7 @@ class DegreesOfFreedom:
     branch: names of the invariants of the Lagrangian whose gradient vanishes at the point of the
         solution.
     invariants: values of all invariants of the Lagrangian at the point.
-    parameters: values of the constants. assumed: what the count rests on, in words.
+    parameters: values of the constants. assumed: assumptions of the count, in words.
     fields: coefficients of the solution, for a later call (near=answer).
     """
 

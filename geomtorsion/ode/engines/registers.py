@@ -235,9 +235,9 @@ def _go_on(
     most: int,
     step: Mapping[str, object],
 ) -> None:
-    """Go on until all members have arrived, get no further or took most steps.
+    """Continue until each member has arrived, no longer advances or took the most steps.
 
-    There is a look after each MOST_STEPS, of which some have been taken. step: heyoka's option for
+    Members are checked after each MOST_STEPS; steps taken before count. step: heyoka's option for
     the longest step.
     """
     before = np.zeros(len(ends))
