@@ -46,7 +46,25 @@ def right_invariant(frame: Frame) -> list[list[sp.Expr]] | None:
     n, q = frame.dimension, frame.coordinates
     coefficients = {index: value.sympy for index, value in table.items()}
     columns = [[frame.coframe[k, mu] for k in range(n)] for mu in range(n)]
-    left, order = set(range(n)), []
+    order = _order_of_lines(columns, q)
+    if order is None:
+        return None
+    whole = sp.eye(n)
+    for place, mu in enumerate(order):
+        still = {q[nu]: _base(columns, q[nu]) for nu in order[place + 1 :]}
+        column = [expression(entry).xreplace(still) for entry in columns[mu]]
+        step = _step(column, coefficients, n, q[mu], _base(columns, q[mu]))
+        if step is None:
+            return None
+        whole = step * whole
+    return [[sp.expand(whole[i, a]) for i in range(n)] for a in range(n)]
+
+
+def _order_of_lines(
+    columns: Sequence[Sequence[sp.Expr]], q: Sequence[sp.Symbol]
+) -> list[int] | None:
+    """The coordinate lines in an order in which none depends on one before it, or None."""
+    left, order = set(range(len(q))), list[int]()
     while left:
         ready = [
             mu
@@ -59,15 +77,7 @@ def right_invariant(frame: Frame) -> list[list[sp.Expr]] | None:
         mu = max(ready, key=lambda m: sum(e.has(q[nu]) for e in columns[m] for nu in left - {m}))
         order.append(mu)
         left.discard(mu)
-    whole = sp.eye(n)
-    for place, mu in enumerate(order):
-        still = {q[nu]: _base(columns, q[nu]) for nu in order[place + 1 :]}
-        column = [expression(entry).xreplace(still) for entry in columns[mu]]
-        step = _step(column, coefficients, n, q[mu], _base(columns, q[mu]))
-        if step is None:
-            return None
-        whole = step * whole
-    return [[sp.expand(whole[i, a]) for i in range(n)] for a in range(n)]
+    return order
 
 
 def _base(columns: Sequence[Sequence[sp.Expr]], symbol: sp.Symbol) -> sp.Expr:

@@ -223,16 +223,8 @@ class Point:
     ) -> list[int]:
         """Numbers of the independent velocities: the requested ones, else the given ones."""
         u = self.state.bundle.symbols.velocities
-        names = [symbol.name for symbol in u]
         if velocities is not None:
-            chosen = [checks.cut(str(x)) for x in checks.entries(velocities, "velocities")]
-            wrong = [x for x in chosen if x not in names]
-            if wrong or len(set(chosen)) != len(u) - len(rows):
-                raise ConstraintError(
-                    f"velocities: expected {len(u) - len(rows)} of {', '.join(names)}, got "
-                    f"{', '.join(chosen)}."
-                )
-            return [i for i, name in enumerate(names) if name in chosen]
+            return _requested([symbol.name for symbol in u], velocities, len(u) - len(rows))
         # Row by row, of the velocities that have no value yet the last with a constant coefficient.
         left, taken = [list(row) for row in rows], []
         for r, row in enumerate(left):
@@ -377,3 +369,15 @@ def is_small(element: Element, scale: Iterable[Element]) -> bool:
         return False
     sizes = [abs(complex(sp.N(x.sympy))) for x in scale if not x.symbols]
     return abs(complex(sp.N(element.sympy))) <= PRINTED * max(sizes, default=0.0)
+
+
+def _requested(
+    names: Sequence[str], velocities: Sequence[sp.Symbol | str], count: int
+) -> list[int]:
+    """Numbers of the independent velocities that were requested."""
+    chosen = [checks.cut(str(x)) for x in checks.entries(velocities, "velocities")]
+    if not {*chosen} <= {*names} or len(set(chosen)) != count:
+        raise ConstraintError(
+            f"velocities: expected {count} of {', '.join(names)}, got {', '.join(chosen)}."
+        )
+    return [i for i, name in enumerate(names) if name in chosen]

@@ -371,6 +371,11 @@ class Reader:
             return self._root(generator.degree, self._element(tail))
         if kind == "imaginary":
             return self._function("imaginary", "I")
+        return self._by_name(generator)
+
+    def _by_name(self, generator: Generator) -> Term:
+        """A primitive, a constant, or another function by its name."""
+        kind, argument = generator.kind, generator.argument
         name = type(generator.shown).__name__
         if kind == "primitive" and name in _OF_INVERSES:
             return self._call(_OF_INVERSES[name], self._element(1 / argument[0]))

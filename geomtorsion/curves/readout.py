@@ -13,10 +13,10 @@ from geomtorsion.curves.equations import velocity_names
 from geomtorsion.curves.stops import check_stops
 from geomtorsion.errors import ChartEdgeError, ShapeError, StartError
 from geomtorsion.ode.engines import Taylor
-from geomtorsion.ode.error_estimate import NOISE, alike
+from geomtorsion.ode.error_estimate import NOISE
 from geomtorsion.ode.members import Members, Rows
 from geomtorsion.ode.moment import Moment
-from geomtorsion.ode.numbers import Real, floats, multiplied, precision_of
+from geomtorsion.ode.numbers import Real, alike, floats, multiplied, precision_of
 from geomtorsion.ode.trajectory import Segment, Trajectory
 from geomtorsion.support import checks
 from geomtorsion.support.precision import EPS, working_precision

@@ -79,15 +79,17 @@ class RationalBasis:
                     self._add_new(part)
                     rest = rest - part * value
             if rest._num and self._express(rest) is None:
-                trial = [*self.elements, *whole]
-                if express(self._field, [rest], [[atom] for atom in trial]) is None:
-                    whole.append(rest)
-                for _, part in terms(rest):
-                    trial = [*self.elements, *monomials]
-                    if express(self._field, [part], [[atom] for atom in trial]) is None:
-                        monomials.append(part)
+                self._extend(whole, [rest])
+                self._extend(monomials, [part for _, part in terms(rest)])
         for atom in whole if len(whole) < len(monomials) else monomials:
             self._add_new(atom)
+
+    def _extend(self, atoms: list[Element], elements: list[Element]) -> None:
+        """Append to atoms each element that these and the present ones do not span."""
+        for element in elements:
+            trial = [*self.elements, *atoms]
+            if express(self._field, [element], [[atom] for atom in trial]) is None:
+                atoms.append(element)
 
     def _add_new(self, atom: Element) -> None:
         """Adds an atom that the present ones do not span."""

@@ -124,32 +124,15 @@ def _made(element: Element) -> Form:
     if len(num) == 1 and not den and not below:
         return _monomial(field, num)
     table = radicals(field)
-    polys: dict[str, fmpq_mpoly] = {}
-    exponents: dict[str, int] = {}
-    content, factors = (
-        field.factored(num) if len(num) <= LONGEST_FACTORED else (fmpq(1), [(num, 1)])
-    )
-    if len(factors) > 1 and _is_short_wave(field, table, num):
-        # cos(3 x) + cos(2 x) is shorter and more precise than the product of its factors.
-        content, factors = fmpq(1), [(num, 1)]
-    for factor, exponent in factors:
-        key = str(factor)
-        polys[key], exponents[key] = factor, exponent
+    content, factors = _factors_above(field, table, num)
+    polys = {str(factor): factor for factor, _ in factors}
+    exponents = {str(factor): exponent for factor, exponent in factors}
     divisors = [(field.factors[index], exponent) for index, exponent in den]
     for factor, exponent in [*divisors, *below.values()]:
         key = str(factor)
         polys[key] = factor
         exponents[key] = exponents.get(key, 0) - exponent
-    for root, scale, keys in table.table:
-        counts = [exponents.get(key, 0) for key in keys]
-        least, most = min(counts), max(counts)
-        # A radicand that is a full factor or divisor is the square of its root.
-        take = least if least > 0 else min(0, most)
-        if take:
-            for key in keys:
-                exponents[key] -= take
-            exponents[root] = exponents.get(root, 0) + 2 * take
-            content = content / scale**take
+    content = content * _roots_taken(table, exponents)
     powers: list[tuple[Generator | Sum, int]] = []
     for key, exponent in exponents.items():
         if exponent:
@@ -165,6 +148,36 @@ def _made(element: Element) -> Form:
     if content < 0:
         content = content * _sign_absorbed(powers)
     return Form(fmpq(content), tuple(powers))
+
+
+def _factors_above(
+    field: Tower, table: Radicals, num: fmpq_mpoly
+) -> tuple[fmpq, list[tuple[fmpq_mpoly, int]]]:
+    """A number and the factors of a numerator, which is one factor where it is shorter so."""
+    if len(num) <= LONGEST_FACTORED:
+        content, factors = field.factored(num)
+        # cos(3 x) + cos(2 x) is shorter and more precise than the product of its factors.
+        if len(factors) < 2 or not _is_short_wave(field, table, num):
+            return content, factors
+    return fmpq(1), [(num, 1)]
+
+
+def _roots_taken(table: Radicals, exponents: dict[str, int]) -> fmpq:
+    """Replaces each radicand that is a full factor or divisor by the square of its root.
+
+    Returns the number by which the rest is multiplied.
+    """
+    content = fmpq(1)
+    for root, scale, keys in table.table:
+        counts = [exponents.get(key, 0) for key in keys]
+        least, most = min(counts), max(counts)
+        take = least if least > 0 else min(0, most)
+        if take:
+            for key in keys:
+                exponents[key] -= take
+            exponents[root] = exponents.get(root, 0) + 2 * take
+            content = content / scale**take
+    return content
 
 
 def _is_short_wave(field: Tower, table: Radicals, num: fmpq_mpoly) -> bool:

@@ -13,6 +13,7 @@ from geomtorsion.exact.algebraic_constants import part_of_turn
 if TYPE_CHECKING:
     from flint import fmpz_mod, fmpz_mod_ctx
 
+    from geomtorsion.exact.generators import Generator
     from geomtorsion.exact.tower import Tower
 
 # Bits of the primes: an accidental zero is far less probable than a broken computer.
@@ -32,18 +33,21 @@ def order_for(field: Tower) -> int:
     if entry is None or entry[0] != field.level:
         degrees = [g.degree for g in field.generators if g.degree > 2 and not g.middle]
         left = {int(q) for degree in degrees for q, _ in fmpz(degree).factor() if q > 2}
-        for generator in field.generators if left else ():
-            share = part_of_turn(generator)
-            if share is not None:
-                left -= {q for q in left if not int(share.q) % q}
-            elif (
-                generator.degree == 2 and generator.tail is not None and generator.tail.is_rational
-            ):
-                # Square roots of numbers are Gauss sums.
-                left -= {q for q in left if not generator.tail.as_fraction().numerator % q}
+        for needed in map(_needed, field.generators) if left else ():
+            left -= {q for q in left if not needed % q}
         order = prod(q**e for q, e in fmpz(ORDER).factor() if int(q) not in left)
         entry = field.tables["order of unity"] = field.level, int(order)
     return entry[1]
+
+
+def _needed(generator: Generator) -> int:
+    """The order of the roots of unity in terms of which a constant is written; 1 for others."""
+    share, tail = part_of_turn(generator), generator.tail
+    if share is not None:
+        return int(share.q)
+    # Square roots of numbers are Gauss sums.
+    is_root = generator.degree == 2 and tail is not None and tail.is_rational
+    return tail.as_fraction().numerator if is_root and tail is not None else 1
 
 
 def nth_prime(number: int, order: int) -> fmpz:

@@ -707,21 +707,9 @@ class Norms:
         if key in self._seen or len(factor) < 2:
             return
         self._seen.add(key)
-        conjugates, norm = [factor], factor
-        for place, generator in enumerate(field.generators):
-            # The norm over one root may bring in the roots of its radicand.
-            if generator.degree != 2 or not norm.degrees()[place]:
-                continue
-            below, above = polynomials.split(norm, place)
-            assert generator.tail is not None
-            norm = field.reduced(below * below - above * above * field.lift(generator.tail))
-            if factor.degrees()[place]:
-                w = field.ctx.gen(place)
-                halves = [polynomials.split(poly, place) for poly in conjugates]
-                conjugates += [low - high * w for low, high in halves]
+        conjugates, norm = _conjugates_and_norm(field, factor)
         if norm == factor:
             return
-        powers: dict[int, int] = {}
         factors = field.factored(norm)[1]
         # The norm of a square is one; as a polynomial it has no factors, for its roots are reduced.
         if len(factor) ** 2 <= MOST_AT_ONCE and all(exponent % 2 == 0 for _, exponent in factors):
@@ -734,6 +722,7 @@ class Norms:
                 for part, _ in field.factored(field.lift(inside))[1]:
                     self._enter(field, part)
                 return
+        powers: dict[int, int] = {}
         for part, exponent in factors:
             index = field.factor_index.get(str(part))
             # Only norms in the denominator of some element can be replaced.
@@ -744,6 +733,23 @@ class Norms:
             self.table.append((conjugates, tuple(sorted(powers.items()))))
         elif not _mixed(factor):
             self.units.append(factor)
+
+
+def _conjugates_and_norm(field: Tower, factor: fmpq_mpoly) -> tuple[list[fmpq_mpoly], fmpq_mpoly]:
+    """A polynomial with either sign of its square roots, and its norm over all of them."""
+    conjugates, norm = [factor], factor
+    for place, generator in enumerate(field.generators):
+        # The norm over one root may bring in the roots of its radicand.
+        if generator.degree != 2 or not norm.degrees()[place]:
+            continue
+        below, above = polynomials.split(norm, place)
+        assert generator.tail is not None
+        norm = field.reduced(below * below - above * above * field.lift(generator.tail))
+        if factor.degrees()[place]:
+            w = field.ctx.gen(place)
+            halves = [polynomials.split(poly, place) for poly in conjugates]
+            conjugates += [low - high * w for low, high in halves]
+    return conjugates, norm
 
 
 def norms(field: Tower) -> Norms:

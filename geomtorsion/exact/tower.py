@@ -398,6 +398,12 @@ class Tower(ABC):
         if len(groups) == 1:
             ((den, nums),) = groups.items()
             return self._normalised(nums[0] if len(nums) == 1 else polynomials.added(nums), den)
+        return self._over_one_denominator(groups, largest)
+
+    def _over_one_denominator(
+        self, groups: dict[Denominator, list[fmpq_mpoly]], largest: int
+    ) -> Element | None:
+        """The sum of numerators over several denominators; None as for `added`."""
         common: Denominator = ()
         for den in groups:
             common = self.lcm(common, den)

@@ -9,7 +9,7 @@ from typing import Any
 import sympy as sp
 
 from geomtorsion.errors import ShapeError, StructureConstantError
-from geomtorsion.exact import Field
+from geomtorsion.exact import Element, Field
 from geomtorsion.exact.reading import counted_as
 from geomtorsion.geometry.validation import free_symbols, named_symbols
 from geomtorsion.support import checks
@@ -87,7 +87,13 @@ def checked_constants(constants: object) -> list[list[list[sp.Expr]]]:
     counted_as(free)
     field = Field(sorted(free, key=str))
     value = dict(zip(places, field.read_all(named), strict=True))
-    for i, j, k in places:
+    _check_algebra(field, n, value)
+    return [[[value[i, j, k].sympy for k in range(n)] for j in range(n)] for i in range(n)]
+
+
+def _check_algebra(field: Field, n: int, value: Mapping[tuple[int, ...], Element]) -> None:
+    """Refuse constants that are not antisymmetric, or violate the Jacobi identity."""
+    for i, j, k in value:
         if not (value[i, j, k] + value[j, i, k]).is_zero:
             raise StructureConstantError(
                 f"structure constants are not antisymmetric: C[{i}, {j}, {k}] = {value[i, j, k]}, "
@@ -106,7 +112,6 @@ def checked_constants(constants: object) -> list[list[list[sp.Expr]]]:
                 f"and component {m} the cyclic sum of C_ij^s C_sk^m is {excess}, not 0. "
                 "Only constants with a vanishing sum belong to a group."
             )
-    return [[[value[i, j, k].sympy for k in range(n)] for j in range(n)] for i in range(n)]
 
 
 def _symbols(coordinates: Sequence[sp.Symbol] | str | None, n: int) -> list[sp.Symbol]:

@@ -36,31 +36,32 @@ if TYPE_CHECKING:
 
 def chosen(tensor: Tensor, index: One | tuple[One, ...]) -> Any:
     """One component as an expression, or the array of components that slices select."""
-    items = index if isinstance(index, tuple) else (index,)
-    rank, n = len(tensor.slots), tensor.frame.dimension
-    # The only component of a scalar is also its first.
-    if not rank and len(items) == 1 and checks.whole(items[0]) == 0:
-        items = ()
-    gaps = [k for k, item in enumerate(items) if item is Ellipsis]
-    if gaps:
-        place = gaps[0]
-        missing = rank - len(items) + 1
-        items = (*items[:place], *[slice(None)] * missing, *items[place + 1 :])
-    if len(items) > rank or len(gaps) > 1:
-        raise _refused(tensor, index)
     axes: list[int | range] = []
-    for slot, item in zip(tensor.slots, items, strict=False):
+    for slot, item in zip(tensor.slots, _items(tensor, index), strict=True):
         values = _numbers(tensor, slot, item)
         if values is None:
             raise _refused(tensor, index)
         axes.append(values)
-    axes += [range(n)] * (rank - len(items))
     if not any(isinstance(axis, range) for axis in axes):
         return notation.component(tensor, tuple(k for k in axes if isinstance(k, int)), _plain)
     shape = tuple(len(axis) for axis in axes if isinstance(axis, range))
     places = product(*(axis if isinstance(axis, range) else [axis] for axis in axes))
     flat = [notation.component(tensor, place, _plain) for place in places]
     return sp.ImmutableDenseNDimArray(flat, shape)
+
+
+def _items(tensor: Tensor, index: One | tuple[One, ...]) -> tuple[One, ...]:
+    """An index for each slot, where an ellipsis and the end leave some out."""
+    items, rank = index if isinstance(index, tuple) else (index,), len(tensor.slots)
+    # The only component of a scalar is also its first.
+    if not rank and len(items) == 1 and checks.whole(items[0]) == 0:
+        return ()
+    gaps = [k for k, item in enumerate(items) if item is Ellipsis] or [len(items)]
+    before, after = items[: gaps[0]], items[gaps[0] + 1 :]
+    missing = rank - len(before) - len(after)
+    if missing < 0 or len(gaps) > 1:
+        raise _refused(tensor, index)
+    return (*before, *[slice(None)] * missing, *after)
 
 
 _plain = notation.plain

@@ -356,16 +356,22 @@ def decided(poly: fmpq_mpoly, free: Sequence[int]) -> tuple[int, list[tuple[Frac
     for k in squares if len(poly) <= CELLS else ():
         if sign := _of_square(poly, k, free):
             return sign, []
-    queue, signs, middles = deque(_first_cells(poly, free)), set[int](), {}
+    return _of_cells(deque(_first_cells(poly, free)))
+
+
+def _of_cells(queue: deque[Cell]) -> tuple[int, list[tuple[Fraction, ...]]]:
+    """The common sign of a polynomial in cells, which are halved where it is not seen; else 0."""
+    signs, middles = set[int](), dict[int, tuple[Fraction, ...]]()
     for _ in range(CELLS):
         if not queue:
-            break
+            return (signs.pop(), []) if len(signs) == 1 else (0, list(middles.values()))
         here, maps, depth = queue.popleft()
         coefficients = here.coeffs()
         negative = sum(x < 0 for x in coefficients)
         middle = sum(coefficients, fmpq(0))
-        if middle and (1 if middle > 0 else -1) not in middles:
-            middles[1 if middle > 0 else -1] = tuple(_middle(m) for m in maps)
+        sign = (middle > 0) - (middle < 0)
+        if sign and sign not in middles:
+            middles[sign] = tuple(_middle(m) for m in maps)
         if negative in (0, len(coefficients)):
             signs.add(-1 if negative else 1)
         elif len(here) > CELLS:
@@ -374,10 +380,6 @@ def decided(poly: fmpq_mpoly, free: Sequence[int]) -> tuple[int, list[tuple[Frac
             queue.extend(_halves(here, maps, depth))
         if len(middles) == 2:
             break
-    else:
-        return 0, list(middles.values())
-    if not queue and len(signs) == 1:
-        return signs.pop(), []
     return 0, list(middles.values())
 
 

@@ -200,17 +200,8 @@ class Surface:
         """n_mu, n^mu and n.n, over the frame of the surface."""
         self._check_hypersurface()
         n, field = self.ambient.dimension, self.frame.field
-        lower = []
-        for mu in range(n):
-            others = [nu for nu in range(n) if nu != mu]
-            entries = {
-                (i, a): self._slope[nu, a]
-                for i, nu in enumerate(others)
-                for a in range(n - 1)
-                if not self._slope[nu, a].is_zero
-            }
-            minor = determinant(field, entries, n - 1)
-            lower.append(-minor if mu % 2 else minor)
+        minors = [self._minor(mu) for mu in range(n)]
+        lower = [-minor if mu % 2 else minor for mu, minor in enumerate(minors)]
         inverse = self._on(self.ambient.inverse_metric.components)
         upper = [
             field.sum([(1, inverse.get((mu, nu)), lower[nu]) for nu in range(n)]) for mu in range(n)
@@ -224,6 +215,18 @@ class Surface:
         first = next(x for x in lower if not x.is_zero)
         side = self.orientation * (1 if _value(self.frame, first) > 0 else -1)
         return [x * side for x in lower], [x * side for x in upper], sign
+
+    def _minor(self, mu: int) -> Element:
+        """The determinant of the slopes, omitting one coordinate of the ambient space."""
+        n = self.ambient.dimension
+        others = [nu for nu in range(n) if nu != mu]
+        entries = {
+            (i, a): self._slope[nu, a]
+            for i, nu in enumerate(others)
+            for a in range(n - 1)
+            if not self._slope[nu, a].is_zero
+        }
+        return determinant(self.frame.field, entries, n - 1)
 
     @property
     def normal(self) -> tuple[sp.Expr, ...]:

@@ -11,7 +11,7 @@ import sympy as sp
 
 from geomtorsion.errors import ExpressionError, ShapeError, StartError, TimeError, UnknownNameError
 from geomtorsion.exact import Element
-from geomtorsion.ode.numbers import Numbers, Real
+from geomtorsion.ode.numbers import Numbers, Real, event_list
 from geomtorsion.ode.rates import Rates, default_groups
 from geomtorsion.ode.tables import Table
 from geomtorsion.ode.terms import At, Terms, When, expression, number, symbol_table
@@ -52,20 +52,9 @@ def read(
         key: expression(x, f"rate of {key}", symbols, functions=functions)
         for key, x in rates.items()
     }
-    listed = list(events)
+    names, listed = (*states, *numbers), event_list(events)
     conditions = [event for event in listed if isinstance(event, When)]
-    for event in conditions:
-        checks.instance(
-            event.changes, Mapping, "When", ExpressionError, expected="changes {name: value}"
-        )
-    stops = tuple(
-        expression(event.falls, "stop", symbols, functions=functions)
-        for event in conditions
-        if not event.changes
-    )
-    switches = tuple(
-        _switch(event, (*states, *numbers), symbols) for event in conditions if event.changes
-    )
+    stops, switches = _stops_and_switches(conditions, names, symbols, functions)
     read_outputs = _read_terms(outputs, "output", symbols, functions)
     _check_outputs(read_outputs, symbols)
     groups = _group_list(states, norm_groups, normalized)
@@ -73,9 +62,7 @@ def read(
     terms = (rates, invariants, outputs)
     falls = [event.falls for event in conditions]
     declared = _declared([*(x for each in terms for x in each.values()), *falls], numbers)
-    timed = timed_events(
-        (*states, *numbers), [x for x in listed if not isinstance(x, When)], symbols
-    )
+    timed = timed_events(names, [x for x in listed if not isinstance(x, When)], symbols)
     for values in (numbers, *map(numbers_in, timed)):
         check_declared(declared, values)
     numbers_at_start = start_numbers(states, start)
@@ -115,6 +102,26 @@ def _rates_and_invariants(
     if not rates:
         raise ExpressionError("rates: expected at least one state, got none.")
     return checks.by_name(rates, "rates", ExpressionError), invariants
+
+
+def _stops_and_switches(
+    conditions: Sequence[When],
+    names: Sequence[str],
+    symbols: Mapping[str, sp.Symbol],
+    functions: Mapping[str, type[sp.Function]],
+) -> tuple[tuple[sp.Expr, ...], tuple[When, ...]]:
+    """Conditions that end the motion, as expressions, and those that change states."""
+    for event in conditions:
+        checks.instance(
+            event.changes, Mapping, "When", ExpressionError, expected="changes {name: value}"
+        )
+    stops = [
+        expression(event.falls, "stop", symbols, functions=functions)
+        for event in conditions
+        if not event.changes
+    ]
+    switches = [_switch(event, names, symbols) for event in conditions if event.changes]
+    return tuple(stops), tuple(switches)
 
 
 def _check_outputs(outputs: Iterable[str], symbols: Mapping[str, sp.Symbol]) -> None:
@@ -349,7 +356,7 @@ def timed_events(
     table: dict[float, dict[str, Any]] = {}
     later: list[At] = []
     symbols = symbol_table(names) if symbols is None else symbols
-    for entry in events:
+    for entry in event_list(events):
         if not isinstance(entry, At) or not isinstance(entry.changes, Mapping):
             raise TimeError(
                 f"event: expected At(time, {{name: value}}) or When(expression), got "

@@ -15,15 +15,7 @@ from geomtorsion.errors import AccuracyError, StartError, TimeError, WorkerError
 from geomtorsion.ode.batch import Failure, batch_method
 from geomtorsion.ode.ends import Ends
 from geomtorsion.ode.engines import Engine
-from geomtorsion.ode.error_estimate import (
-    AIM,
-    NOISE,
-    SAFETY,
-    change_by_rounding,
-    next_tolerance,
-    rounding,
-    roundings_matter,
-)
+from geomtorsion.ode.error_estimate import AIM, NOISE, SAFETY, next_tolerance, roundings_matter
 from geomtorsion.ode.members import BatchRows, Members, Rows, run_members
 from geomtorsion.ode.moment import Moment
 from geomtorsion.ode.numbers import (
@@ -33,6 +25,7 @@ from geomtorsion.ode.numbers import (
     checked_times,
     one_time_only,
 )
+from geomtorsion.ode.roundings import change_by_rounding, rounding
 from geomtorsion.ode.singles import followed, listed, unfinished_text
 from geomtorsion.ode.solve import STOP, batch_engine
 from geomtorsion.ode.system import Show, checked_engine
@@ -553,7 +546,9 @@ class _Job:
         some &= errors <= self.accuracy
         if not some.any():
             return
-        parts = np.array([change_by_rounding(engine, steps[k]) for k in np.flatnonzero(some)])
+        parts = np.array(
+            [change_by_rounding(engine.precision, steps[k]) for k in np.flatnonzero(some)]
+        )
         moved = self._batch("check_seconds", pending[some], tolerance, None, parts)
         errors[some] = np.fmax(
             errors[some], self._errors(pending[some], answer.of(some), moved) / SAFETY
@@ -621,7 +616,7 @@ class _Job:
 
     def _errors(self, index: np.ndarray, answer: BatchRows, reference: BatchRows) -> np.ndarray:
         """The error of each member, group by group; not a number where it is not known."""
-        worst = np.full(len(answer.finished), rounding(self.engine, 1))
+        worst = np.full(len(answer.finished), rounding(self.engine.precision, 1))
         both = answer.finished & reference.finished
         # The end of each member is one more sample.
         here, there = (_with_ends(x) for x in (answer, reference))

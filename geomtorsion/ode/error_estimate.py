@@ -27,7 +27,8 @@ from typing import NamedTuple, Protocol
 import numpy as np
 
 from geomtorsion.ode.changes import changes_before, time_gaps
-from geomtorsion.ode.numbers import floats
+from geomtorsion.ode.numbers import alike, floats
+from geomtorsion.ode.roundings import rounding
 from geomtorsion.ode.system import Engine, columns
 from geomtorsion.ode.trajectory import Segment, Stage, Trajectory
 from geomtorsion.support.precision import GOLDEN
@@ -144,31 +145,19 @@ def verified(
     tolerance: float | None = engine.first(aim / growth if growth > 1 else aim)
     while tolerance is not None and (finer := engine.finer(tolerance)) is not None:
         answer = run(engine, tolerance)
-        least = rounding(engine, answer.steps)
         reference = run(engine, finer, answer)
-        runs += [answer, reference]
-        gap = max(difference(problem, answer, reference, accuracy), least)
-        noise, shown = 0.0, None
-        if SAFETY * gap <= accuracy and roundings_matter(engine, answer.steps, tolerance):
-            # The finer run has roundings of its own.
-            rounded_off = rounding(engine, max(answer.steps, reference.steps))
-            noise = amplified * rounded_off
-            if math.isnan(noise):
-                noise, shown, changed = _noise(problem, runs[-2:], gap, accuracy, run)
-                amplified = noise / rounded_off if noise <= UNALIKE else math.nan
-                runs += changed
-        error = max(SAFETY * gap, gap + noise)
+        attempt = _attempt(problem, answer, reference, accuracy, run, amplified)
+        error, amplified = attempt.error, attempt.amplified
+        runs += [answer, reference, *attempt.changed]
         # If a finer tolerance does not halve the error, the rest is rounding, and later agreement
         # would be chance.
         rounded = best is not None and best.error <= UNALIKE and SAFETY * error > best.error
-        rounded |= SAFETY * noise > accuracy
+        rounded |= SAFETY * attempt.noise > accuracy
         if math.isfinite(error):
-            growth = max(growth, SAFETY * gap / max(tolerance, least))
+            step = max(tolerance, rounding(engine.precision, answer.steps))
+            growth = max(growth, SAFETY * attempt.gap / step)
         if best is None or error < best.error:
-            comparisons = (Comparison(reference, error / gap),)
-            if shown is not None and noise > gap:
-                comparisons = Comparison(reference, SAFETY), shown
-            best = Verified(answer, comparisons, error, (), growth, amplified)
+            best = Verified(answer, attempt.comparisons, error, (), growth, amplified)
         # What steps omit may add up in proportion to their number, roundings as its root.
         hopeless = not last and growth * 2.0**-engine.precision > accuracy
         if error <= accuracy or rounded or hopeless or answer.outcome == "stuck":
@@ -176,6 +165,57 @@ def verified(
         tolerance = next_tolerance(engine, tolerance, accuracy / error)
     assert best is not None
     return best._replace(runs=tuple(runs), growth=growth, amplified=amplified)
+
+
+class _Attempt(NamedTuple):
+    """The comparison of an answer at one tolerance.
+
+    reference: the finer run; gap: the difference from it; noise: what roundings add to the gap.
+    shown: the changed run with most of it, if any; changed: all of these. amplified: as `Verified`.
+    """
+
+    reference: Trajectory
+    gap: float
+    noise: float
+    shown: Comparison | None
+    changed: Sequence[Trajectory]
+    amplified: float
+
+    @property
+    def error(self) -> float:
+        """The error of the answer."""
+        return max(SAFETY * self.gap, self.gap + self.noise)
+
+    @property
+    def comparisons(self) -> tuple[Comparison, ...]:
+        """The runs from which the error of each state follows."""
+        if self.shown is not None and self.noise > self.gap:
+            return Comparison(self.reference, SAFETY), self.shown
+        return (Comparison(self.reference, self.error / self.gap),)
+
+
+def _attempt(
+    problem: Comparable,
+    answer: Trajectory,
+    reference: Trajectory,
+    accuracy: float,
+    run: Integration,
+    amplified: float,
+) -> _Attempt:
+    """An answer compared with the finer run, and with changed ones where roundings matter."""
+    engine, steps = answer.engine, answer.steps
+    least = rounding(engine.precision, steps)
+    gap = max(difference(problem, answer, reference, accuracy), least)
+    if not (SAFETY * gap <= accuracy and roundings_matter(engine, steps, answer.tolerance)):
+        return _Attempt(reference, gap, 0.0, None, (), amplified)
+    # The finer run has roundings of its own.
+    rounded_off = rounding(engine.precision, max(steps, reference.steps))
+    noise = amplified * rounded_off
+    if not math.isnan(noise):
+        return _Attempt(reference, gap, noise, None, (), amplified)
+    noise, shown, changed = _noise(problem, (answer, reference), gap, accuracy, run)
+    amplified = noise / rounded_off if noise <= UNALIKE else math.nan
+    return _Attempt(reference, gap, noise, shown, changed, amplified)
 
 
 def roundings_matter(engine: Engine, steps: int, tolerance: float, far: float = FAR) -> bool:
@@ -186,7 +226,7 @@ def roundings_matter(engine: Engine, steps: int, tolerance: float, far: float = 
 
     far: how many times less steps may omit.
     """
-    return rounding(engine, steps) > tolerance / far
+    return rounding(engine.precision, steps) > tolerance / far
 
 
 def _noise(
@@ -216,15 +256,6 @@ def _noise(
     return noise, Comparison(shown, noise / widest if widest > 0 else 0.0), changed
 
 
-def change_by_rounding(engine: Engine, steps: float) -> float:
-    """Relative change of a state that is as large as the sum of the roundings of a number of steps.
-
-    Each step rounds the state to half a unit in the last place at most. The roundings add up at
-    random, as the square root of the number of steps.
-    """
-    return 2.0**-engine.precision * math.sqrt(max(steps, 1))
-
-
 def next_tolerance(engine: Engine, tolerance: float, missing: float) -> float | None:
     """The next tolerance after a run with too large an error; None at the finest.
 
@@ -238,11 +269,6 @@ def next_tolerance(engine: Engine, tolerance: float, missing: float) -> float | 
     target = engine.rung(min(tolerance * missing * AIM, finer))
     # A run without a finer run to compare is not an answer.
     return target if engine.finer(target) is not None else finer
-
-
-def rounding(engine: Engine, steps: float) -> float:
-    """Relative size of the roundings of some steps: a last place each, adding up at random."""
-    return 2.0 ** (1 - engine.precision) * math.sqrt(max(steps, 1))
 
 
 def difference(
@@ -472,11 +498,3 @@ def _matched(
     if not blocks:
         return None
     return blocks[0] if len(blocks) == 1 else np.concatenate(blocks)
-
-
-def alike(first: np.ndarray, second: np.ndarray) -> np.ndarray:
-    """The second array in the kind of the first, where NumPy cannot mix the two."""
-    if first.dtype == second.dtype or first.dtype != np.longdouble or second.dtype == np.float64:
-        return second
-    rows = [[np.longdouble(str(x)) for x in row] for row in second]
-    return np.array(rows, dtype=np.longdouble)

@@ -90,6 +90,14 @@ def floats(values: Iterable[Real]) -> list[float]:
         ) from None
 
 
+def alike(first: np.ndarray, second: np.ndarray) -> np.ndarray:
+    """The second array in the kind of the first, where NumPy cannot mix the two."""
+    if first.dtype == second.dtype or first.dtype != np.longdouble or second.dtype == np.float64:
+        return second
+    rows = [[np.longdouble(str(x)) for x in row] for row in second]
+    return np.array(rows, dtype=np.longdouble)
+
+
 def perturbed(
     values: Sequence[Real], part: float, precision: int, *, all_of_them: bool
 ) -> list[Real]:
@@ -228,3 +236,21 @@ def one_time_only(t: object, times: np.ndarray, grid: np.ndarray) -> tuple[np.nd
     if checks.real(t) is not None and len(grid) > 1:
         return times[-1:], np.array([0.0, float(times[-1])])
     return times, grid
+
+
+def event_list(events: object) -> list[Any]:
+    """The entries of a list of events.
+
+    Raises
+    ------
+    TimeError
+        it is something else, such as a single event.
+
+    Examples
+    --------
+    >>> event_list("x")
+    Traceback (most recent call last):
+    geomtorsion.errors.TimeError: events: expected a list of events, got 'x'. Write events=[...].
+    """
+    expected, remedy = "a list of events", "Write events=[...]."
+    return checks.entries(events, "events", TimeError, expected=expected, remedy=remedy)

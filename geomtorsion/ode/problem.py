@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Collection, Iterable, Mapping, Sequence
+from collections.abc import Callable, Collection, Iterable, Mapping, Sequence, Set
 from contextlib import suppress
 from dataclasses import dataclass, field, replace
 from functools import partial
@@ -416,6 +416,26 @@ class ODE(ByContent):
         >>> print(ODE.of({"x": "v", "v": "-x", "work": "v**2"}, [1, 0, 0]).restricted(["v"]))
         ODE of x, v
         """
+        needed = self._needed_by(names)
+        if len(needed) == self.size:
+            return self
+        lost = {*self.states} - needed
+        pairs = zip(self.states, self.start, strict=True)
+        return replace(
+            self,
+            rates=self.rates.restricted(needed),
+            start=tuple(x for name, x in pairs if name in needed),
+            invariants=_without_names(self.invariants, lost),
+            outputs=_without_names(self.outputs, lost),
+            events=_without_changes(self.events, lost),
+            switches=_without_changes(self.switches, lost),
+            resting=tuple(x for x in self.resting if x in needed),
+            normalized=tuple(group for group in self.normalized if not lost & {*group}),
+            maker=None,
+        )
+
+    def _needed_by(self, names: Iterable[str]) -> frozenset[str]:
+        """The states on which some states and outputs depend, by rates and by events."""
         every = {name: flat({name: terms}) for name, terms in self.outputs.items()}
         every |= {name: [sp.Symbol(name, real=True)] for name in self.states}
         listed = checks.entries(names, "names", UnknownNameError)
@@ -423,29 +443,7 @@ class ODE(ByContent):
         falls = [x for one in self.switches for x in (one.falls, *_expressions(one.changes))]
         moved = [x for one in self.events for x in _expressions(one.changes)]
         asked = [x for word in words for x in every[word]]
-        needed = self.rates.needed_by([*asked, *falls, *moved], self.normalized)
-        if len(needed) == self.size:
-            return self
-
-        def remaining(table: Mapping[str, Terms]) -> dict[str, Terms]:
-            return {key: x for key, x in table.items() if not lost & names_in(flat({key: x}))}
-
-        lost = {*self.states} - needed
-        events = [_without_changes(one, lost) for one in self.events]
-        switches = [_without_changes(one, lost) for one in self.switches]
-        pairs = zip(self.states, self.start, strict=True)
-        return replace(
-            self,
-            rates=self.rates.restricted(needed),
-            start=tuple(x for name, x in pairs if name in needed),
-            invariants=remaining(self.invariants),
-            outputs=remaining(self.outputs),
-            events=tuple(one for one in events if one.changes),
-            switches=tuple(one for one in switches if one.changes),
-            resting=tuple(x for x in self.resting if x in needed),
-            normalized=tuple(group for group in self.normalized if not lost & {*group}),
-            maker=None,
-        )
+        return self.rates.needed_by([*asked, *falls, *moved], self.normalized)
 
     def check_lengths(self) -> None:
         """Raise an error if a normalized group does not have length one at the start."""
@@ -1040,9 +1038,18 @@ def _expressions(changes: Mapping[str, object]) -> list[sp.Expr]:
     return [x for x in changes.values() if isinstance(x, sp.Expr)]
 
 
-def _without_changes(one: _Changing, lost: Collection[str]) -> _Changing:
-    """An event without its changes of some states."""
-    return replace(one, changes={k: x for k, x in one.changes.items() if k not in lost})
+def _without_changes(events: Iterable[_Changing], lost: Collection[str]) -> tuple[_Changing, ...]:
+    """Events without their changes of some states, if other changes are left."""
+    rest = (
+        replace(one, changes={k: x for k, x in one.changes.items() if k not in lost})
+        for one in events
+    )
+    return tuple(one for one in rest if one.changes)
+
+
+def _without_names(table: Mapping[str, Terms], lost: Set[str]) -> dict[str, Terms]:
+    """The terms of a table that are free of some names."""
+    return {key: x for key, x in table.items() if not lost & names_in(flat({key: x}))}
 
 
 def _time_text(time: Any) -> float | str:

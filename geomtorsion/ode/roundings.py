@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 from functools import lru_cache
 from itertools import pairwise
@@ -14,6 +15,20 @@ from geomtorsion.support.precision import GOLDEN
 # Number of changes of a motion, after equal numbers of steps, because roundings are many where
 # steps are short.
 PLACES = 64
+
+
+def rounding(precision: int, steps: int) -> float:
+    """Relative size of the roundings of some steps: a last place each, adding up at random."""
+    return 2.0 ** (1 - precision) * math.sqrt(max(steps, 1))
+
+
+def change_by_rounding(precision: int, steps: float) -> float:
+    """Relative change of a state that is as large as the sum of the roundings of a number of steps.
+
+    Each step rounds the state to half a unit in the last place at most. The roundings add up at
+    random, as the square root of the number of steps.
+    """
+    return 2.0**-precision * math.sqrt(max(steps, 1))
 
 
 @dataclass(frozen=True)

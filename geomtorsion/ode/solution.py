@@ -30,11 +30,11 @@ from geomtorsion.ode.error_estimate import (
     Comparison,
     combined,
     difference,
-    rounding,
 )
 from geomtorsion.ode.moment import Moment, Term
 from geomtorsion.ode.numbers import PARTS, times_between
 from geomtorsion.ode.roots import crossings
+from geomtorsion.ode.roundings import rounding
 from geomtorsion.ode.trajectory import Segment, Stage, Trajectory, close_times
 from geomtorsion.ode.writing import pandas_table, plain_columns, write_solution, xarray_dataset
 from geomtorsion.support import checks
@@ -606,7 +606,7 @@ class Solution:
         if apart == math.inf:
             return apart
         # A smaller difference of a single name may be chance.
-        few = CHANCE * rounding(self.trajectory.engine, self.trajectory.steps)
+        few = CHANCE * rounding(self.trajectory.engine.precision, self.trajectory.steps)
         least = min(few, self.error)
         if apart == 0:
             return least

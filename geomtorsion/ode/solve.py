@@ -22,22 +22,10 @@ from geomtorsion.errors import (
 from geomtorsion.ode.checkpoint import Checkpoint, fingerprint
 from geomtorsion.ode.engines import Engine, RungeKutta, Taylor
 from geomtorsion.ode.engines.taylor import is_available
-from geomtorsion.ode.error_estimate import (
-    MAGNIFIED,
-    SAFETY,
-    Verified,
-    change_by_rounding,
-    rounding,
-    verified,
-)
-from geomtorsion.ode.numbers import (
-    PARTS,
-    check_memory,
-    checked_accuracy,
-    checked_times,
-)
+from geomtorsion.ode.error_estimate import MAGNIFIED, SAFETY, Verified, verified
+from geomtorsion.ode.numbers import PARTS, check_memory, checked_accuracy, checked_times
 from geomtorsion.ode.poles import AT_A_POLE, ended_at_poles
-from geomtorsion.ode.roundings import PLACES, Roundings
+from geomtorsion.ode.roundings import PLACES, Roundings, change_by_rounding, rounding
 from geomtorsion.ode.solution import DOUBLE, Cost, Problem, Solution
 from geomtorsion.ode.system import WorkLimitError, checked_engine
 from geomtorsion.ode.trajectory import Trajectory, integrate
@@ -176,7 +164,9 @@ def solve(
     with reports(progress, "motion") as show:
         report = None if show is None else Report(show, float(scaled[-1]))
         try:
-            solution = _solved(problem, times, scaled, accuracy, engine, store, report)
+            pulses = problem.pulses(float(scaled[-1]))
+            request = _Request(problem, times, scaled, accuracy, engine, store, report, pulses)
+            solution = _Attempts(request).solution()
         finally:
             if store is not None:
                 store.write()
@@ -185,61 +175,109 @@ def solve(
     return solution
 
 
-def _solved(
-    problem: Problem,
-    times: np.ndarray,
-    grid: np.ndarray,
-    accuracy: float,
-    engine: Engine | None,
-    kept: Checkpoint | None,
-    report: Report | None,
-) -> Solution:
-    """The answer of the first engine that is good enough."""
-    runs: list[Trajectory] = []
-    names: list[str] = []
-    best, growth, amplified = math.inf, 0.0, math.nan
-    ended: Solution | None = None
-    end = float(grid[-1])
-    parts = () if kept is None else tuple(end * k / PARTS for k in range(1, PARTS))
-    pulses = problem.pulses(end)
-    for candidate, reason in engines(problem, accuracy, engine):
-        check_memory(len(grid), len(problem.first_stage(candidate.precision, 0.0).start))
-        last = engine is not None or candidate.precision > 113
-        if not last and amplified * rounding(candidate, 1) > accuracy:
-            # Its roundings would be too much.
-            continue
-        asked = _Runs(problem, candidate, accuracy, grid, parts, kept, report, last, pulses=pulses)
-        result = _followed(asked, runs, growth, amplified)
-        growth, amplified = result.growth, result.amplified
-        names.append(candidate.name)
-        if max(accuracy, NO_HELP * best) < result.error < math.inf:
-            result = _in_short_steps(asked, runs) or result
-        best = min(best, result.error)
-        if result.answer.reason == AT_A_POLE and not last:
-            # More digits may separate the state from the pole.
-            ended = _solution(problem, times, grid, accuracy, reason, result, runs)
-            continue
-        if result.error <= accuracy or result.answer.outcome == "stuck":
-            solution = _solution(problem, times, grid, accuracy, reason, result, runs)
-            if solution.complete:
-                return solution
-            alternative = None
-            if engine is None and candidate != RungeKutta() and is_coarse(accuracy):
-                # Series have no value where roots begin, which steps may leave behind.
-                stepwise = replace(asked, engine=RungeKutta(), last=True)
-                alternative = _complete(stepwise, runs)
-            if alternative is None:
-                raise _stuck_error(problem, solution)
-            reason = "a series has no value on the way"
-            return _solution(problem, times, grid, accuracy, reason, alternative, runs)
-    if ended is not None and not math.isfinite(best):
-        raise _stuck_error(problem, ended)
-    none = f"gives {'no ' if names else ''}two runs to compare"
-    got = f"gets to {best:.2g}" if math.isfinite(best) else none
-    raise AccuracyError(
-        f"expected accuracy {accuracy:.3g}; {', then '.join(names) or 'no available engine'} "
-        f"{got}. " + _remedy(engine)
-    )
+@dataclass(frozen=True, eq=False)
+class _Request:
+    """A motion with the times and the accuracy that its solution is to have.
+
+    times: in the units of the motion; grid: of the samples, in the time of the stages.
+    engine: None chooses. kept: the file of the parts of a run. report: of the finished fraction.
+    pulses: times at which all runs end and continue.
+    """
+
+    problem: Problem
+    times: np.ndarray
+    grid: np.ndarray
+    accuracy: float
+    engine: Engine | None
+    kept: Checkpoint | None
+    report: Report | None
+    pulses: tuple[float, ...]
+
+    def runs_of(self, engine: Engine, *, last: bool = True) -> _Runs:
+        """What the runs of one engine have in common."""
+        end = float(self.grid[-1])
+        cuts = () if self.kept is None else tuple(end * k / PARTS for k in range(1, PARTS))
+        return _Runs(
+            self.problem, engine, self.accuracy, self.grid, cuts, self.kept, self.report, last,
+            pulses=self.pulses,
+        )  # fmt: skip
+
+    def solution(self, reason: str, result: Verified, runs: Sequence[Trajectory]) -> Solution:
+        """The answer with its error and cost."""
+        answer, times, error = result.answer, self.times, result.error
+        if answer.outcome != "done":
+            skip = len(self.grid) - len(times)
+            times = times[: max(answer.count - skip, 0)]
+            reached = answer.reached / self.problem.time_unit
+            if answer.outcome == "stopped" and (not len(times) or times[-1] != reached):
+                times = np.concatenate((times, [reached]))
+        if self.accuracy >= DOUBLE and answer.engine.precision > 53:
+            # The returned numbers are doubles, whatever the internal precision.
+            error = max(error, DOUBLE)
+        return Solution(
+            self.problem, times, self.accuracy, error, answer.engine.name, reason,
+            Cost.of(answer, runs), answer, result.comparisons,
+        )  # fmt: skip
+
+
+class _Attempts:
+    """Attempts of one engine after another at a request, with what they leave for the next."""
+
+    def __init__(self, request: _Request) -> None:
+        self.request = request
+        self.runs: list[Trajectory] = []
+        self.names: list[str] = []
+        self.best, self.growth, self.amplified = math.inf, 0.0, math.nan
+
+    def solution(self) -> Solution:
+        """The answer of the first engine that is good enough."""
+        request, ended = self.request, None
+        for engine, reason in engines(request.problem, request.accuracy, request.engine):
+            stage = request.problem.first_stage(engine.precision, 0.0)
+            check_memory(len(request.grid), len(stage.start))
+            last = request.engine is not None or engine.precision > 113
+            if not last and self.amplified * rounding(engine.precision, 1) > request.accuracy:
+                # Its roundings would be too much.
+                continue
+            result = self._result(engine, last)
+            if result.answer.reason == AT_A_POLE and not last:
+                # More digits may separate the state from the pole.
+                ended = request.solution(reason, result, self.runs)
+            elif result.error <= request.accuracy or result.answer.outcome == "stuck":
+                solution = request.solution(reason, result, self.runs)
+                return solution if solution.complete else self._beyond(solution, engine)
+        if ended is not None and not math.isfinite(self.best):
+            raise _stuck_error(request.problem, ended)
+        raise self._too_coarse()
+
+    def _result(self, engine: Engine, last: bool) -> Verified:
+        """The answer of one engine."""
+        request = self.request
+        asked = request.runs_of(engine, last=last)
+        result = _followed(asked, self.runs, self.growth, self.amplified)
+        self.growth, self.amplified = result.growth, result.amplified
+        self.names.append(engine.name)
+        if max(request.accuracy, NO_HELP * self.best) < result.error < math.inf:
+            result = _in_short_steps(asked, self.runs) or result
+        self.best = min(self.best, result.error)
+        return result
+
+    def _beyond(self, solution: Solution, engine: Engine) -> Solution:
+        """The answer in steps, which may leave the place behind where a series has no value."""
+        request, result = self.request, None
+        if request.engine is None and engine != RungeKutta() and is_coarse(request.accuracy):
+            result = _complete(request.runs_of(RungeKutta()), self.runs)
+        if result is None:
+            raise _stuck_error(request.problem, solution)
+        return request.solution("a series has no value on the way", result, self.runs)
+
+    def _too_coarse(self) -> AccuracyError:
+        """The error where no engine has the accuracy."""
+        got = f"gives {'no ' if self.names else ''}two runs to compare"
+        got = f"gets to {self.best:.2g}" if math.isfinite(self.best) else got
+        names = ", then ".join(self.names) or "no available engine"
+        expected = f"expected accuracy {self.request.accuracy:.3g}"
+        return AccuracyError(f"{expected}; {names} {got}. " + _remedy(self.request.engine))
 
 
 def _stuck_error(problem: Problem, solution: Solution) -> GeomtorsionError:
@@ -312,10 +350,10 @@ class _Runs:
         if answer is not None and pattern:
             longest = math.inf
             if getattr(engine, "changes_on_the_way", False):
-                part = MAGNIFIED * change_by_rounding(engine, answer.steps / PLACES)
+                part = MAGNIFIED * change_by_rounding(engine.precision, answer.steps / PLACES)
                 roundings = Roundings(part, max(answer.steps, 1), float(self.grid[-1]), pattern)
             else:
-                moved = MAGNIFIED * change_by_rounding(engine, answer.steps)
+                moved = MAGNIFIED * change_by_rounding(engine.precision, answer.steps)
         cuts = () if answer and self.kept is None and not pattern else self.cuts
         pulses = self.pulses
         if answer is not None:
@@ -383,32 +421,6 @@ def _in_short_steps(asked: _Runs, runs: list[Trajectory]) -> Verified | None:
         if result.error <= asked.accuracy:
             return result
     return None
-
-
-def _solution(
-    problem: Problem,
-    times: np.ndarray,
-    grid: np.ndarray,
-    accuracy: float,
-    reason: str,
-    found: Verified,
-    runs: Sequence[Trajectory],
-) -> Solution:
-    """The answer with its error and cost."""
-    answer = found.answer
-    if answer.outcome != "done":
-        skip = len(grid) - len(times)
-        times = times[: max(answer.count - skip, 0)]
-        reached = answer.reached / problem.time_unit
-        if answer.outcome == "stopped" and (not len(times) or times[-1] != reached):
-            times = np.concatenate((times, [reached]))
-    error = found.error
-    if accuracy >= DOUBLE and answer.engine.precision > 53:
-        # The returned numbers are doubles, whatever the internal precision.
-        error = max(error, DOUBLE)
-    name = answer.engine.name
-    cost = Cost.of(answer, runs)
-    return Solution(problem, times, accuracy, error, name, reason, cost, answer, found.comparisons)
 
 
 def engines(

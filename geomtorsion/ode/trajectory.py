@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from bisect import bisect_right
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from typing import TypeAlias
@@ -280,12 +281,9 @@ def integrate(
     segments: list[Segment] = []
     end = float(times[-1])
     sign = -1.0 if end < 0 else 1.0
-    done, idle, waiting = 0, 0, list(cuts)
+    done = idle = 0
     while True:
-        begin = float(stage.begin)
-        while waiting and sign * waiting[0] <= sign * begin:
-            waiting.pop(0)
-        stop = _next_break(stage, waiting, sign, end)
+        stop = _next_break(stage, cuts, sign, end)
         samples, head, count = _samples(times, done, stage.begin, stop, sign)
         if runner is None:
             run = run_stage(stage, samples, tolerance, engine, watch, longest, roundings)
@@ -295,49 +293,51 @@ def integrate(
                 watch(float(run.reached))
         count = max(min(len(run.times) - head, count), 0)
         done += count
-        segments.append(Segment(stage, run, head, count))
-        if run.outcome == "done":
-            if stop is None:
-                return Trajectory(engine, tolerance, tuple(segments), "done")
+        segment = Segment(stage, run, head, count)
+        segments.append(segment)
+        if run.outcome != "done":
+            event = stage.boundary
+            # A motion that cannot continue in two stages in a row cannot continue at all. Engines
+            # measure progress by the whole time, so that the same motion ends in every chart.
+            moved = abs(float(run.reached) - float(stage.begin)) > STANDSTILL * abs(end)
+            idle = idle + 1 if run.outcome == "stuck" and not moved else 0
+        elif stop is None:
+            return Trajectory(engine, tolerance, tuple(segments), "done")
+        else:
             event = stage.timed(sign)
             if event is None or event.when != stop:
                 last = run.last if stage.kept is None else stage.kept(run.last)
                 stage = replace(stage, start=last, begin=stop)
                 continue
-        else:
-            event = stage.boundary
-            ended = _ending(event, segments[-1])
-            if event is None or ended is not None:
-                return Trajectory(engine, tolerance, tuple(segments), *(ended or (run.outcome,)))
-            # A motion that cannot continue in two stages in a row cannot continue at all. Engines
-            # measure progress by the whole time, so that the same motion ends in every chart.
-            moved = abs(float(run.reached) - begin) > STANDSTILL * abs(end)
-            idle = idle + 1 if run.outcome == "stuck" and not moved else 0
-        after = None
-        if idle < 2 and len(segments) <= MOST_STAGES and event.then is not None:
-            after = event.then(run.reached, segments[-1].last)
-        if after is None:
-            outcome, reason = "stopped", ""
-            if event.ending is not None:
-                outcome, reason = event.ending(float(run.reached), segments[-1].last)
-            return Trajectory(engine, tolerance, tuple(segments), outcome, run.reason or reason)
+        after = _after(event, segment, idle < 2 and len(segments) <= MOST_STAGES)
+        if not isinstance(after, Stage):
+            return Trajectory(engine, tolerance, tuple(segments), *after)
         stage = after
 
 
-def _ending(event: Event | None, segment: Segment) -> tuple[str, str] | None:
-    """Outcome and reason of a motion that ends at the boundary of its stage; else None."""
-    run = segment.run
+def _after(event: Event | None, segment: Segment, may_continue: bool) -> Stage | tuple[str, str]:
+    """The stage that follows an event, or outcome and reason of a motion that ends there."""
+    run, last = segment.run, segment.last
     if event is None or (run.outcome == "stuck" and event.then is None):
         return run.outcome, run.reason
-    stop = None if run.outcome == "stuck" else event.stop
-    condition = None if stop is None else stop(segment.last)
-    return None if condition is None else ("stopped", condition)
+    if event.stop is not None and run.outcome not in ("stuck", "done"):
+        condition = event.stop(last)
+        if condition is not None:
+            return "stopped", condition
+    after = event.then(run.reached, last) if may_continue and event.then is not None else None
+    if after is not None:
+        return after
+    outcome, reason = "stopped", ""
+    if event.ending is not None:
+        outcome, reason = event.ending(float(run.reached), last)
+    return outcome, run.reason or reason
 
 
 def _next_break(stage: Stage, cuts: Sequence[float], sign: float, end: float) -> float | None:
     """The next time before the end at which a run has to be ended."""
     event = stage.timed(sign)
-    breaks = [cuts[0] if cuts else None, None if event is None else event.when]
+    later = bisect_right(cuts, sign * float(stage.begin), key=lambda at: sign * at)
+    breaks = [*cuts[later : later + 1], None if event is None else event.when]
     before = [at for at in breaks if at is not None and sign * at < sign * end]
     return min(before, key=lambda at: sign * at) if before else None
 

@@ -119,18 +119,10 @@ class OdeCourse:
             boxes = [exact_ball(x) for x in start_values]
         else:
             boxes = before.whole.hull[:size]
-        changed: set[str] = set()
-        for event in self.problem.events:
-            if exact_time(event.time) == stretch.begin:
-                for name in event.changes.keys() & set(rates.states):
-                    boxes[rates.states.index(name)] = exact_ball(event.changes[name])
-                    changed.add(name)
+        changed = self._change(boxes, stretch.begin)
         for group in self.problem.normalized:
             if before is None or changed & set(group):
-                places = [rates.states.index(name) for name in group]
-                length = sum((boxes[k] * boxes[k] for k in places), arb(0)).sqrt()
-                for k in places:
-                    boxes[k] = boxes[k] / length
+                _normalize(boxes, [rates.states.index(name) for name in group])
         if rates.has_clock:
             boxes.append(arb(stretch.begin / CLOCK))
         leg = self._leg(stretch)
@@ -139,6 +131,16 @@ class OdeCourse:
         if before is not None and not changed and not self._varied:
             return before, leg
         return Position(self._set(stretch, before, boxes, changed)), leg
+
+    def _change(self, boxes: list[arb], time: fmpq) -> set[str]:
+        """Make the changes of events at a time; their states."""
+        states, changed = self.problem.rates.states, set[str]()
+        for event in self.problem.events:
+            if exact_time(event.time) == time:
+                for name in event.changes.keys() & set(states):
+                    boxes[states.index(name)] = exact_ball(event.changes[name])
+                    changed.add(name)
+        return changed
 
     @cached_property
     def regular(self) -> RegularStart | None:
@@ -296,3 +298,10 @@ class OdeCourse:
     def shown(self, label: str, box: Sequence[arb]) -> list[arb]:
         """The states without the clock."""
         return list(box[: self.problem.size])
+
+
+def _normalize(boxes: list[arb], places: Sequence[int]) -> None:
+    """Make the length of some states one."""
+    length = sum((boxes[k] * boxes[k] for k in places), arb(0)).sqrt()
+    for k in places:
+        boxes[k] = boxes[k] / length

@@ -87,26 +87,7 @@ class SolutionTask:
         """
         problem, segments = solution.problem, solution.trajectory.segments
         backwards = solution.trajectory.reached < 0
-        sign = -1 if backwards else 1
-        samples, hints = [], list[Stretch]()
-        for segment in segments:
-            mine = [
-                Sample(exact_time(sign * t), segment.label, tuple(row), segment.stage.groups)
-                for t, row in zip(
-                    segment.times, _rows(problem, segment, segment.states), strict=True
-                )
-            ]
-            samples += mine
-            begin, end = (exact_time(abs(x)) for x in (segment.stage.begin, segment.run.reached))
-            times = tuple(sample.time for sample in mine)
-            if hints and hints[-1].label == segment.label:
-                last = hints[-1]
-                hints[-1] = Stretch(
-                    last.begin, end, last.label, last.samples + times, last.reference
-                )
-            else:
-                first = tuple(segment.stage.first.tolist())
-                hints.append(Stretch(begin, end, segment.label, times, first))
+        samples, hints = _samples_and_stretches(problem, segments, -1 if backwards else 1)
         stopped = None
         if solution.outcome == "stopped":
             last = segments[-1]
@@ -325,6 +306,29 @@ class SolutionTask:
                     # Zero in the result: a ball around zero does not decide whether it is.
                     undecided = True
         return worst.union(arb.pos_inf()) if undecided else worst
+
+
+def _samples_and_stretches(
+    problem: Any, segments: Sequence[Segment], sign: int
+) -> tuple[list[Sample], list[Stretch]]:
+    """The samples of all segments, and stretches of segments with one label."""
+    samples, stretches = list[Sample](), list[Stretch]()
+    for segment in segments:
+        rows = zip(segment.times, _rows(problem, segment, segment.states), strict=True)
+        mine = [
+            Sample(exact_time(sign * t), segment.label, tuple(row), segment.stage.groups)
+            for t, row in rows
+        ]
+        samples += mine
+        begin, end = (exact_time(abs(x)) for x in (segment.stage.begin, segment.run.reached))
+        times = tuple(sample.time for sample in mine)
+        if stretches and stretches[-1].label == segment.label:
+            last = stretches[-1]
+            stretches[-1] = replace(last, end=end, samples=last.samples + times)
+        else:
+            first = tuple(segment.stage.first.tolist())
+            stretches.append(Stretch(begin, end, segment.label, times, first))
+    return samples, stretches
 
 
 def _entries(given: Start) -> Sequence[Any]:

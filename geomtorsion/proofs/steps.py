@@ -196,6 +196,30 @@ def defect_integral(defect: Sequence[arb], radius: arb, time: arb, order: int) -
     return [(bound * radius / (order + 1) * share).upper() for bound in defect]
 
 
+def _sizes_and_time(
+    states: Sequence[tuple[float, float]], is_moving: Sequence[bool]
+) -> tuple[list[float], float]:
+    """The accuracy for each state, and the time in which the motion changes by its own size.
+
+    The accuracy is a rounding of its size, or of its change nearby; like sizes and rates a power of
+    two. Numbers that never change do not count for the time.
+
+    states: size and rate of each.
+    """
+    moving = (size for (size, _), moves in zip(states, is_moving, strict=True) if moves)
+    size, speed = max(moving, default=FAR_BELOW), max(rate for _, rate in states)
+    time = size - speed if min(size, speed) > FAR_BELOW else 0.0
+    levels = [max(size, rate + time) for size, rate in states]
+    top = max(levels)
+    top = top if top > FAR_BELOW else 0.0
+    return [max(level, top - SMALLER) for level in levels], _power_of_two(time)
+
+
+def _power_of_two(exponent: float) -> float:
+    """A power of two that is a float."""
+    return 2.0 ** min(max(exponent, -FURTHEST), FURTHEST)
+
+
 class Stepper:
     """Search for the longest step that can be proved from a set; its state belongs to one step."""
 
@@ -210,24 +234,11 @@ class Stepper:
             self._table = arb_mat([row[1:] for row in sizes])
             self._middle = [acb(x) for x in whole.middle]
             self._rho = whole.radii
-            # Numbers that never change do not count for the time scale of the motion.
-            pairs = zip(whole.middle, sizes, strict=True)
-            state = max((log2(x) for x, row in pairs if not row[1].is_zero()), default=FAR_BELOW)
-            speed = max(log2(row[1]) for row in sizes)
-            # Accuracy for each state: a rounding of its size, or of its change nearby.
-            is_moving = state > FAR_BELOW and speed > FAR_BELOW
-            time = state - speed if is_moving else 0.0
-            rows = zip(whole.middle, sizes, strict=True)
-            levels = [max(log2(x), log2(row[1]) + time) for x, row in rows]
-            top = max(levels)
-            if top <= FAR_BELOW:
-                top = 0.0
-            self.sizes = [max(x, top - SMALLER) for x in levels]
-            # The time in which the motion changes by its own size.
-            self.time = 2.0 ** min(max(time, -FURTHEST), FURTHEST)
-            pairs = ((log2(x), log2(row[1])) for x, row in zip(whole.middle, sizes, strict=True))
-            moving = [a - b for a, b in pairs if a > FAR_BELOW and b > FAR_BELOW]
-            self.own_time = 2.0 ** min(max(min(moving, default=0.0), -FURTHEST), FURTHEST)
+            states = [(log2(x), log2(row[1])) for x, row in zip(whole.middle, sizes, strict=True)]
+            is_moving = [not row[1].is_zero() for row in sizes]
+            self.sizes, self.time = _sizes_and_time(states, is_moving)
+            times = (size - rate for size, rate in states if min(size, rate) > FAR_BELOW)
+            self.own_time = _power_of_two(min(times, default=0.0))
             self._tolerance = [x - bits - 2 for x in self.sizes]
             self._bits = bits
 

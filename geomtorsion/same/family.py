@@ -182,14 +182,7 @@ class Query:
                 if fit is None:
                     yield None, {}, ()
                     continue
-                ends = tuple(
-                    f"{name} -> {'0' if value == 0 else 'oo'}"
-                    for x, name, value in zip(
-                        stratum.frame.parameters, names, fit.values, strict=True
-                    )
-                    if np.isinf(value) or (value == 0 and x.is_zero is False)
-                )
-                if ends:
+                if ends := _ends(stratum.frame.parameters, fit.values):
                     yield None, {}, ends
                     continue
                 options = [list(islice(expressions(x, self.values), 4)) for x in fit.values]
@@ -319,3 +312,12 @@ def _simple(value: float) -> Fraction:
     inverse = Fraction(1 / value).limit_denominator(LARGEST)
     close = inverse and abs(value * float(inverse) - 1) < CLOSE
     return 1 / inverse if close else Fraction(round(value))
+
+
+def _ends(parameters: Sequence[sp.Symbol], values: Sequence[float]) -> tuple[str, ...]:
+    """The limits to which the fit of some parameters ran, as "M -> oo"."""
+    return tuple(
+        f"{x} -> {'0' if value == 0 else 'oo'}"
+        for x, value in zip(parameters, values, strict=True)
+        if np.isinf(value) or (value == 0 and x.is_zero is False)
+    )

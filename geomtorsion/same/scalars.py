@@ -159,25 +159,32 @@ def is_excluded(one: Invariants, two: Invariants, proper: bool = False) -> bool:
     for keep in reversed(keeps):
         sides = (one, two)
         if keep != one.keep:
-            sides = tuple(Invariants(x.frame, keep) for x in sides)
-        first, second = map(scalars, sides)
-        if proper:
-            first, second = (
-                first | dict(pseudoscalars(sides[0])),
-                second | dict(pseudoscalars(sides[1])),
-            )
-        varying = [k for k, x in first.items() if k in second and x.is_zero is False]
-        varying = sorted(varying, key=lambda k: second[k].length)[:DEMANDS]
-        symbols = (*two.frame.coordinates, *two.frame.parameters)
-        if varying and (sides[0].coordinates or two.frame.parameters):
-            pairs = [first[k] for k in varying], [second[k] for k in varying]
-            if can_agree(*pairs, symbols) is False:
-                return True
-            if two.frame.parameters and one.turns and not proper:
-                pairs = _ratios(sides[0], varying), _ratios(sides[1], varying)
-                if pairs[0] and can_agree(*pairs, symbols) is False:
-                    return True
+            sides = Invariants(one.frame, keep), Invariants(two.frame, keep)
+        if _differ(*sides, proper=proper, by_ratios=bool(one.turns) and not proper):
+            return True
     return False
+
+
+def _differ(one: Invariants, two: Invariants, *, proper: bool, by_ratios: bool) -> bool:
+    """The same as `is_excluded`, for the invariants of one `keep`.
+
+    by_ratios: whether ratios of scalars are compared as well, where the second has parameters.
+    """
+    first, second = map(scalars, (one, two))
+    if proper:
+        first, second = first | dict(pseudoscalars(one)), second | dict(pseudoscalars(two))
+    varying = [k for k, x in first.items() if k in second and x.is_zero is False]
+    varying = sorted(varying, key=lambda k: second[k].length)[:DEMANDS]
+    parameters = two.frame.parameters
+    if not varying or not (one.coordinates or parameters):
+        return False
+    symbols = (*two.frame.coordinates, *parameters)
+    if can_agree([first[k] for k in varying], [second[k] for k in varying], symbols) is False:
+        return True
+    if not parameters or not by_ratios:
+        return False
+    ratios = _ratios(one, varying), _ratios(two, varying)
+    return bool(ratios[0]) and can_agree(*ratios, symbols) is False
 
 
 def _ratios(invariants: Invariants, names: Sequence[str]) -> list[Element]:

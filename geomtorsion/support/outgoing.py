@@ -113,12 +113,7 @@ def measured_text(
     is_vector = isinstance(values, Sequence)
     numbers = list(values) if isinstance(values, Sequence) else [values]
     given = list(errors) if isinstance(errors, Sequence) else [errors] * len(numbers)
-    scale = max((abs(x) for x in (*numbers, *given) if math.isfinite(x)), default=0.0)
-    power = math.floor(math.log10(scale)) if scale else 0
-    # Numbers of everyday sizes need no power of ten, and numbers of many digits choose their own.
-    rough = [e for e in given if _MANY * scale < e < math.inf]
-    if not rough or (-4 <= power < 6 and min(rough) >= _MANY):
-        power = 0
+    power = _power_of_ten(numbers, given)
     size = 10.0**power
     rows = [_rounded(x / size, e / size) for x, e in zip(numbers, given, strict=True)]
     if len(set(given)) == 1:
@@ -129,6 +124,15 @@ def measured_text(
         text = f"({', '.join(number + error for number, error in rows)})"
     text += f"e{power:+03d}" if power else ""
     return f"{text} {unit}" if unit else text
+
+
+def _power_of_ten(numbers: Sequence[float], errors: Sequence[float]) -> int:
+    """The power of ten of numbers with errors; 0 where they are written without one."""
+    scale = max((abs(x) for x in (*numbers, *errors) if math.isfinite(x)), default=0.0)
+    power = math.floor(math.log10(scale)) if scale else 0
+    # Numbers of everyday sizes need no power of ten, and numbers of many digits choose their own.
+    rough = [e for e in errors if _MANY * scale < e < math.inf]
+    return 0 if not rough or (-4 <= power < 6 and min(rough) >= _MANY) else power
 
 
 def _rounded(value: float, error: float) -> tuple[str, str]:

@@ -104,6 +104,12 @@ def test_the_sign_of_polynomials():
     assert min(counts.values()) >= 5
 
 
+def test_a_polynomial_of_many_terms():
+    """1 + (1 + x + ... + x**21) (1 + y + ... + y**21) is negative at y = -2, and positive at 0."""
+    terms = [f"x**{i}*y**{j}" for i in range(22) for j in range(22)]
+    assert STRIP.region.sign_verdict(" + ".join(["1", *terms])) == "both"
+
+
 @pytest.mark.parametrize("expression", ["x - sin(x)", "exp(x) - 1 - x", "x*log(x) - x + 1"])
 def test_a_sign_without_proof_is_undecided(expression: str):
     """Functions of one symbol that hold each other up are positive; no other sign is stated."""

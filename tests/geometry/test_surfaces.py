@@ -122,7 +122,7 @@ REFUSALS = [
     (lambda: gt.surface(MINKOWSKI, [u, x, y], {"t": u, "z": u}).frame, "degenerate"),
     (lambda: gt.surface(SPACE, [x, y]).pullback(MINKOWSKI.metric), "over another"),
     (lambda: gt.surface(SPACE, [x, y]).pullback(SPACE.inverse_metric), "lower indices"),
-    (lambda: gt.surface(SPACE, [x, y]).pullback(SPACE.coframe_form()), "values in numbers"),
+    (lambda: gt.surface(SPACE, [x, y]).pullback(SPACE.coframe_form()), "scalar-valued"),
 ]
 
 

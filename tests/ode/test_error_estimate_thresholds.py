@@ -11,7 +11,8 @@ import pytest
 
 from geomtorsion.errors import AccuracyError
 from geomtorsion.ode import ODE, RungeKutta, Taylor, solve
-from geomtorsion.ode.error_estimate import AIM, difference, rounding
+from geomtorsion.ode.error_estimate import AIM, difference
+from geomtorsion.ode.roundings import rounding
 from geomtorsion.ode.trajectory import integrate
 from tests.ode.engines import needs_heyoka
 
@@ -36,7 +37,7 @@ def test_roundings_add_up_at_random(steps):
     """The estimate for many steps is one to ten times the scatter of a sum of roundings."""
     halves = np.random.default_rng(steps).uniform(-0.5, 0.5, size=(400, steps)) * 2.0**-52
     scatter = halves.sum(axis=1).std()
-    assert scatter < rounding(RungeKutta(), steps) < 10 * scatter
+    assert scatter < rounding(RungeKutta().precision, steps) < 10 * scatter
 
 
 def test_a_start_is_known_to_about_a_rounding():

@@ -53,6 +53,7 @@ EQUATIONS = [
      TimeError, "expected a time of 0 or later, got t = -1"),
     (lambda: swing(events=[At(1, {"w": 2})]),
      UnknownNameError, "a parameter or a state, got 'w'"),
+    (lambda: swing(events=When("x")), TimeError, r"^events: expected a list .*, got When.*Write "),
     (lambda: swing(events=[1.0]), TimeError, r"event: expected At\(.*, got 1.0"),
     (lambda: pair("ab"), StartError, "of length 1 together"),
     (lambda: pair("az"), UnknownNameError, "expected states, got 'z'"),

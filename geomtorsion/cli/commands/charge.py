@@ -9,7 +9,7 @@ from typing import Annotated
 import typer
 
 from geomtorsion import gravity
-from geomtorsion.cli.options import Form, SpaceOrFile, directory, option
+from geomtorsion.cli.options import Form, Shown, SpaceOrFile, directory, option
 from geomtorsion.cli.results import show_result, write_result
 from geomtorsion.cli.sources import open_space
 from geomtorsion.cli.terminal import working
@@ -55,9 +55,7 @@ def charge(
         str | None,
         option("--potential", metavar="A,A,...", text="Potential of kind electric."),
     ] = None,
-    form: Annotated[
-        Form, typer.Option("--format", help="text to read, json for programs.")
-    ] = Form.text,
+    form: Shown = Form.text,
     output: Annotated[
         Path | None,
         directory("Directory for charge.json, created if missing; charge.png of a closed form."),

@@ -9,7 +9,7 @@ from typing import Annotated
 import typer
 
 from geomtorsion import gravity
-from geomtorsion.cli.options import Form, argument, directory
+from geomtorsion.cli.options import Form, Shown, argument, directory
 from geomtorsion.cli.results import show_result, write_result
 from geomtorsion.cli.terminal import working
 from geomtorsion.pictures.constraints import draw_constraints
@@ -28,9 +28,7 @@ def constraints(
     constant: Annotated[
         float, typer.Option("--lambda", metavar="X", help="Cosmological constant.")
     ] = 0.0,
-    form: Annotated[
-        Form, typer.Option("--format", help="text to read, json for programs.")
-    ] = Form.text,
+    form: Shown = Form.text,
     output: Annotated[
         Path | None,
         directory("Directory for constraints.json and constraints.png, created if missing."),

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import csv
 import json
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from itertools import product
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
@@ -13,7 +13,7 @@ import numpy as np
 import typer
 
 from geomtorsion.cli.exits import resumable
-from geomtorsion.cli.options import Form, argument, directory, option
+from geomtorsion.cli.options import Form, Shown, argument, directory, option
 from geomtorsion.cli.terminal import some_rows
 from geomtorsion.conventions import burgers
 from geomtorsion.errors import CheckpointError, CrystalError, GeomtorsionError, MissingExtraError
@@ -80,9 +80,7 @@ def crystal(
             metavar="NAME", help="Sign convention of b: SF/RH, FS/RH, OVITO, Hirth-Lothe."
         ),
     ] = "SF/RH",
-    form: Annotated[
-        Form, typer.Option("--format", help="text to read, json for programs.")
-    ] = Form.text,
+    form: Shown = Form.text,
     cell: Annotated[
         str | None,
         option(metavar="A,B,C", text="Arrays: lengths of the cell's edges, or ax,ay,az;bx,...;..."),
@@ -271,29 +269,9 @@ def _text(document: Json, partials: bool) -> str:
     first = frames[0]
     if "points" in first:
         return _plane_text(document)
-    axes = ", ".join(
-        f"{name} along [{_row(column)}]"
-        for name, column in zip("xyz", np.array(first["orient"]).T, strict=True)
-    )
-    rows = [
-        typer.style(document["file"], bold=True),
-        (
-            f"  {first['atoms']:,} atoms: {first['lattice']}, a = {first['constant']:.6g}; "
-            f"{first['share']:.1%} have the neighbours of the lattice"
-        ),
-        f"  {axes}",
-    ]
     several = len(frames) > 1
-    if several:
-        rows.append(f"  {len(frames)} frames, in the axes of the first")
-    for frame in frames:
-        rows += _overlapping(frame, several)
+    rows = [typer.style(document["file"], bold=True), *_crystal_rows(frames)]
     in_grains = any(len(frame.get("grains", ())) > 1 for frame in frames)
-    rows += _grain_rows(frames[-1], several)
-    for frame in (frame for frame in frames if frame.get("vanished")):
-        gone = frame["vanished"]
-        names = f"grain{'s' * (len(gone) > 1)} {', '.join(map(str, gone))}"
-        rows.append(f"  {names} vanished in frame {frame['frame']}")
     table = [
         _columns(line, frame, several, in_grains) for frame in frames for line in frame["lines"]
     ]
@@ -315,6 +293,26 @@ def _text(document: Json, partials: bool) -> str:
         rows += ["", f"  total length {first['length']:.6g}, {first['junctions']} junctions"]
         rows += [_loop(line) for line in first["lines"] if "inserted" in line]
     return "\n".join(rows)
+
+
+def _crystal_rows(frames: Sequence[Json]) -> list[str]:
+    """The crystal, its axes and its grains."""
+    first, several = frames[0], len(frames) > 1
+    columns = zip("xyz", np.array(first["orient"]).T, strict=True)
+    axes = ", ".join(f"{name} along [{_row(column)}]" for name, column in columns)
+    kind = f"{first['lattice']}, a = {first['constant']:.6g}"
+    share = f"{first['share']:.1%} have the neighbours of the lattice"
+    rows = [f"  {first['atoms']:,} atoms: {kind}; {share}", f"  {axes}"]
+    if several:
+        rows.append(f"  {len(frames)} frames, in the axes of the first")
+    for frame in frames:
+        rows += _overlapping(frame, several)
+    rows += _grain_rows(frames[-1], several)
+    for frame in (frame for frame in frames if frame.get("vanished")):
+        gone = frame["vanished"]
+        names = f"grain{'s' * (len(gone) > 1)} {', '.join(map(str, gone))}"
+        rows.append(f"  {names} vanished in frame {frame['frame']}")
+    return rows
 
 
 def _overlapping(frame: Json, several: bool) -> list[str]:

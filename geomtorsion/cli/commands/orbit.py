@@ -15,6 +15,7 @@ from geomtorsion.cli.options import (
     Moments,
     Parameters,
     Potential,
+    Shown,
     argument,
     directory,
     option,
@@ -87,9 +88,7 @@ def orbit(
         bool,
         typer.Option("--proved", help="Also print the box of the theorem and what it assumes."),
     ] = False,
-    form: Annotated[
-        Form, typer.Option("--format", help="text to read, json for programs.")
-    ] = Form.text,
+    form: Shown = Form.text,
     output: Annotated[
         Path | None, directory("Write orbit.json and a figure of the orbit to this directory.")
     ] = None,

@@ -7,7 +7,7 @@ from typing import Annotated
 
 import typer
 
-from geomtorsion.cli.options import Form, SpaceOrFile, directory, option
+from geomtorsion.cli.options import Form, Shown, SpaceOrFile, directory, option
 from geomtorsion.cli.results import show_result, write_result
 from geomtorsion.cli.sources import open_space
 from geomtorsion.cli.terminal import working
@@ -47,9 +47,7 @@ def ringing(
             text="riemannian or teleparallel. Default: teleparallel for T, riemannian for others.",
         ),
     ] = None,
-    form: Annotated[
-        Form, typer.Option("--format", help="text to read, json for programs.")
-    ] = Form.text,
+    form: Shown = Form.text,
     output: Annotated[
         Path | None,
         directory("Directory for ringing.json and ringing.png, created if missing."),

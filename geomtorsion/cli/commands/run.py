@@ -105,38 +105,59 @@ def run(
     budget = _budget(scene, solver) if only_needed else None
     if budget is not None:
         scene = budget.chosen
+    title = scene.title or scene.name
     checkpoint = _checkpoint(output, resume=resume or only_kept, overwrite=overwrite)
     if only_kept and checkpoint is not None:
         typer.echo(_partial(scene, checkpoint, solver))
         return
-    written: list[Path] = []
     with resumable(lambda: _left(scene, checkpoint, solver)):
         result = _solved(scene, solver, checkpoint)
-        with working(scene.title or scene.name) as progress:
-            if output is not None:
-                written = write_run(result, output, pictures.value, progress)
-                written += [] if budget is None else write_budget(budget, output, pictures.value)
-            if animate is not None:
-                progress("drawing the animation")
-                written.append(write_scene_film(result, animate))
+        written = _write(title, result, budget, output, animate, pictures)
         if checkpoint is not None:
             checkpoint.unlink(missing_ok=True)
             checkpoint.with_name(PARTIAL).unlink(missing_ok=True)
+    _show(title, result, budget, form, proved=proved)
+    say_files(written, form, drawn=output is None or can_draw())
+    if not result.complete:
+        raise typer.Exit(ExitCode.failed)
+
+
+def _write(
+    title: str,
+    result: SceneResult,
+    budget: EffectBudget | None,
+    output: Path | None,
+    animate: Path | None,
+    pictures: PictureFormat,
+) -> list[Path]:
+    """Write a result and its animation to files."""
+    written: list[Path] = []
+    with working(title) as progress:
+        if output is not None:
+            written = write_run(result, output, pictures.value, progress)
+            written += [] if budget is None else write_budget(budget, output, pictures.value)
+        if animate is not None:
+            progress("drawing the animation")
+            written.append(write_scene_film(result, animate))
+    return written
+
+
+def _show(
+    title: str, result: SceneResult, budget: EffectBudget | None, form: Form, *, proved: bool
+) -> None:
+    """Show a result, with its effects and its proof, in words or as JSON."""
     document: dict[str, Any] = {} if budget is None else {"effects": budget.to_json()}
     is_text = form is Form.text
     if is_text:
         typer.echo(f"{budget}\n" * (budget is not None) + "\n".join(_summary(result)))
     if proved:
-        with working(f"{scene.title or scene.name}: proof"):
+        with working(f"{title}: proof"):
             proof = prove(result.solution)
         document["proof"] = proof.to_json()
         if is_text:
             typer.echo(str(proof))
     if not is_text:
         typer.echo(json.dumps(metadata(result) | document, indent=2, ensure_ascii=False))
-    say_files(written, form, drawn=output is None or can_draw())
-    if not result.complete:
-        raise typer.Exit(ExitCode.failed)
 
 
 def _budget(scene: Scene, engine: Engine | None) -> EffectBudget:

@@ -8,7 +8,7 @@ from typing import Annotated
 
 import typer
 
-from geomtorsion.cli.options import Form, Parameters, SpaceOrFile, directory, option
+from geomtorsion.cli.options import Form, Parameters, Shown, SpaceOrFile, directory, option
 from geomtorsion.cli.results import say_on_error, show_result
 from geomtorsion.cli.sources import open_space
 from geomtorsion.cli.terminal import working
@@ -59,9 +59,7 @@ def shadow(
     field: Annotated[
         float | None, option("--field", metavar="X", text="Angle that the image is wide, in rad.")
     ] = None,
-    form: Annotated[
-        Form, typer.Option("--format", help="text to read, json for programs.")
-    ] = Form.text,
+    form: Shown = Form.text,
     output: Annotated[
         Path | None,
         directory("Directory for edge.csv, shadow.json, edge.png and image.png."),

@@ -15,6 +15,7 @@ from geomtorsion.cli.options import (
     Form,
     MeasuredColumns,
     MeasuredSigma,
+    Shown,
     argument,
     directory,
     option,
@@ -92,9 +93,7 @@ def stress(
     component: Annotated[
         str, typer.Option(metavar="IJ", help="Component in the figure: xx, ..., xy, or mises.")
     ] = "mises",
-    form: Annotated[
-        Form, typer.Option("--format", help="text to read, json for programs.")
-    ] = Form.text,
+    form: Shown = Form.text,
     output: Annotated[
         Path | None,
         directory("Directory for stress.json, stress.vtk and stress.png, created if missing."),

@@ -9,7 +9,7 @@ from typing import Annotated
 import typer
 
 from geomtorsion import gravity
-from geomtorsion.cli.options import Form, SpaceOrFile
+from geomtorsion.cli.options import Form, Shown, SpaceOrFile
 from geomtorsion.cli.sources import open_space
 from geomtorsion.cli.terminal import working
 from geomtorsion.cli.theories import Over, connection_of
@@ -44,9 +44,7 @@ def symmetries(
             "both for the Levi-Civita connection only.",
         ),
     ] = Keep.metric,
-    form: Annotated[
-        Form, typer.Option("--format", help="text to read, json for programs.")
-    ] = Form.text,
+    form: Shown = Form.text,
 ) -> None:
     """Show the symmetries of a space, their Lie algebra, and the holonomy.
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass
 from fractions import Fraction
 
@@ -113,12 +114,7 @@ def enclosed_roots(expression: sp.Expr, symbol: sp.Symbol) -> list[EnclosedRoot]
         Two roots cannot be separated, or the expression has no finite values.
     """
     above = sp.fraction(sp.together(expression))[0]
-    forms = [above]
-    if above.has(sp.exp):
-        whole = sp.Poly(above)
-        powers = [x ** whole.degree(x) for x in whole.gens if x.has(sp.exp)]
-        forms.append(sp.expand(above / sp.Mul(*powers)))
-    codes = {form: _code(symbol, form) for form in forms}
+    codes = {form: _code(symbol, form) for form in _forms(above)}
     found: list[EnclosedRoot] = []
     count = 0
     with ball_precision(CONSTANT_BITS):
@@ -129,12 +125,11 @@ def enclosed_roots(expression: sp.Expr, symbol: sp.Symbol) -> list[EnclosedRoot]
             balls_of = {form: code.real([low.union(high)]) for form, code in codes.items()}
             if any(_has_sign(value) for value, _ in balls_of.values()):
                 continue
-            steep = [form for form, (_, slope) in balls_of.items() if _has_sign(slope)]
-            ends = [(form, *(codes[form].real([x])[0] for x in (low, high))) for form in steep]
-            ends = [(form, *pair) for form, *pair in ends if all(map(_has_sign, pair))]
-            if ends:
-                form, first, last = ends[0]
-                if (first > 0) != (last > 0):
+            steep = {x: codes[x] for x, (_, slope) in balls_of.items() if _has_sign(slope)}
+            monotonic = _monotonic(steep, low, high)
+            if monotonic is not None:
+                form, differ = monotonic
+                if differ:
                     found.append(EnclosedRoot(symbol, form, _fraction(low), _fraction(high)))
                 continue
             count += 1
@@ -153,6 +148,26 @@ def enclosed_roots(expression: sp.Expr, symbol: sp.Symbol) -> list[EnclosedRoot]
             middle = (low * high).sqrt().mid()
             parts += [(middle, high), (low, middle)]
     return [x for x in found if _is_regular(x, expression)]
+
+
+def _forms(above: sp.Expr) -> list[sp.Expr]:
+    """An expression, and the same without its growing exponentials, if it has any."""
+    if not above.has(sp.exp):
+        return [above]
+    whole = sp.Poly(above)
+    powers = [x ** whole.degree(x) for x in whole.gens if x.has(sp.exp)]
+    return [above, sp.expand(above / sp.Mul(*powers))]
+
+
+def _monotonic(
+    steep: Mapping[sp.Expr, balls.BallCode], low: arb, high: arb
+) -> tuple[sp.Expr, bool] | None:
+    """The first monotonic form with signs at both ends, and whether they differ; None without."""
+    for form, code in steep.items():
+        first, last = (code.real([x])[0] for x in (low, high))
+        if _has_sign(first) and _has_sign(last):
+            return form, (first > 0) != (last > 0)
+    return None
 
 
 def _has_sign(ball: arb) -> bool:

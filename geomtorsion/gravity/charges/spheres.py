@@ -148,15 +148,7 @@ def sphere(
         )
     symbols = {q.name: q for q in frame.coordinates}
     held = _held(surface, symbols)
-    names = {**symbols, **{x.name: x for x in frame.parameters}}
-    of_frame = [x.name for x in frame.parameters]
-    given = checks.known_keys(parameters or {}, of_frame, "parameters", GravityError)
-    values = {names[x]: number(value, f"parameters[{x}]") for x, value in given.items()}
-    for name, value in held.items():
-        if value is not None:
-            values[symbols[name]] = number(value, f"surface[{name}]")
-    for symbol, value in values.items():
-        checks.check_declared(symbol, value)
+    values = _values(frame, held, parameters)
     time, radius = (frame.coordinates.index(symbols[name]) for name in held)
     own = [q for q in frame.coordinates if q.name not in held]
     wanted = checks.known_keys(over or {}, [q.name for q in own], "over", GravityError)
@@ -173,6 +165,22 @@ def sphere(
     _ = one.signature
     _check_closed(one)
     return one
+
+
+def _values(
+    frame: Frame, held: Mapping[str, object], parameters: Mapping[Any, Any] | None
+) -> dict[sp.Symbol, sp.Expr]:
+    """Numbers for parameters, and for the constant coordinates that have one."""
+    own = {x.name: x for x in frame.parameters}
+    given = checks.known_keys(parameters or {}, list(own), "parameters", GravityError)
+    values = {own[x]: number(value, f"parameters[{x}]") for x, value in given.items()}
+    symbols = {q.name: q for q in frame.coordinates}
+    for name, value in held.items():
+        if value is not None:
+            values[symbols[name]] = number(value, f"surface[{name}]")
+    for symbol, value in values.items():
+        checks.check_declared(symbol, value)
+    return values
 
 
 def _held(surface: object, symbols: Mapping[str, sp.Symbol]) -> dict[str, object]:

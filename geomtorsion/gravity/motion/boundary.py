@@ -14,6 +14,7 @@ from geomtorsion.gravity.motion.shots import Aim, Leg, Shooter, condition_name, 
 from geomtorsion.gravity.motion.solving import checked_theory
 from geomtorsion.gravity.reduced.beginning import Start
 from geomtorsion.gravity.reduced.reduction import Reduction
+from geomtorsion.gravity.reduced.requests import Request
 from geomtorsion.gravity.reduced.starts import numbers_of
 from geomtorsion.gravity.theory.field_equations import FieldEquations
 from geomtorsion.ode import At, Engine, Solution, When
@@ -146,30 +147,19 @@ def shoot(
     """
     accuracy = checked_accuracy(accuracy)
     numbers = checks.by_name(parameters or {}, "parameters", StartError)
-    outputs = checks.by_name(outputs or {}, "outputs", GravityError)
-    theories = [checked_theory(equations)]
+    # As in `log_map`, solutions are better than the hits.
+    request = Request.of(outputs, events, AIM * accuracy, engine)
+    reductions = [_reduced(equations, "equations", variable, conditions)]
     if outside is not None:
-        theories.append(checked_theory(outside, "outside"))
-    reductions = [
-        one if isinstance(one, Reduction) else one.reduce(variable, conditions) for one in theories
-    ]
-    for one in reductions:
-        checks.known_name(variable, [one.variable], "variable", GravityError)
+        reductions.append(_reduced(outside, "outside", variable, conditions))
     names = checked_by(free, (*checks.by_name(start, "start", StartError), *numbers), "free")
-    demands = conditions_of(boundary, outputs, names)
+    demands = conditions_of(boundary, request.outputs, names)
     texts = reductions[-1].read({one.text: one.expression for one in demands}, "boundary value")
     conditional = {condition_name(k): one for k, one in enumerate(texts.values(), 1)}
-    legs = [
-        Leg(
-            reduction=one,
-            outputs={**outputs, **(conditional if one is reductions[-1] else {})},
-            events=tuple(events) if one is reductions[0] else (),
-            # As in `log_map`, solutions are better than the hits.
-            accuracy=AIM * accuracy,
-            engine=engine,
-        )
-        for one in reductions
-    ]
+    # Events belong to the first equations, conditions to the last.
+    requests = [request, *(replace(request, events=()) for _ in reductions[1:])]
+    requests[-1] = replace(requests[-1], outputs={**request.outputs, **conditional})
+    legs = [Leg(one, asked) for one, asked in zip(reductions, requests, strict=True)]
     guesses = numbers_of({x: {**numbers, **start}[x] for x in names}, names, "free")
     shooter = Shooter(
         legs=tuple(legs),
@@ -193,6 +183,17 @@ def shoot(
             "place. Give another one."
         )
     return _Search(shooter, float(place), end).answer(times)
+
+
+def _reduced(
+    theory: FieldEquations | Reduction, subject: str, variable: object, conditions: object
+) -> Reduction:
+    """First-order equations in a variable."""
+    theory = checked_theory(theory, subject)
+    if not isinstance(theory, Reduction):
+        theory = theory.reduce(variable, conditions)
+    checks.known_name(variable, [theory.variable], "variable", GravityError)
+    return theory
 
 
 @dataclass(frozen=True, eq=False)

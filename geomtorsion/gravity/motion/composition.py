@@ -5,7 +5,7 @@ from __future__ import annotations
 import re
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
-from itertools import combinations
+from itertools import chain, combinations
 from typing import Any
 
 import sympy as sp
@@ -14,12 +14,13 @@ from geomtorsion.errors import GravityError, StartError
 from geomtorsion.exact import unknown_functions
 from geomtorsion.gravity.reduced.beginning import Beginning, Start
 from geomtorsion.gravity.reduced.reduction import Reduction
+from geomtorsion.gravity.reduced.requests import Request
 from geomtorsion.gravity.theory.field_equations import FieldEquations
 from geomtorsion.gravity.theory.fluids import Fluid
 from geomtorsion.gravity.theory.hypermomentum import Source
 from geomtorsion.gravity.theory.matter import MatterField, numbered
 from geomtorsion.gravity.theory.residuals import conditions_of
-from geomtorsion.ode import ODE, At, When
+from geomtorsion.ode import ODE
 from geomtorsion.support import checks
 from geomtorsion.support.caching import cached_property
 from geomtorsion.support.copies import only_fields
@@ -35,15 +36,14 @@ class Composition:
     equations: of the theory. variable: on which the unknown functions depend.
     start: its values, the most important first: a theory with fewer unknowns follows the first
         numbers, and its constraints determine the last ones.
-    conditions, outputs, events: as for `gravity.solve`.
+    conditions: as for `gravity.solve`. request: what a solution holds, and how it is solved.
     """
 
     equations: FieldEquations
     variable: str
     start: Start
     conditions: object
-    outputs: Mapping[str, object]
-    events: tuple[At | When, ...]
+    request: Request
     _parts: dict[frozenset[str], Composition] = field(default_factory=dict, repr=False, init=False)
 
     def __getstate__(self) -> dict[str, object]:
@@ -110,7 +110,7 @@ class Composition:
     @cached_property
     def ode(self) -> ODE:
         """The equations with the start."""
-        ode = self.reduction.ode_of(self.beginning, self.outputs, self.events)
+        ode = self.reduction.ode_of(self.beginning, self.request)
         return replace(ode, maker=self)
 
     def without(self, ode: ODE, effects: frozenset[str]) -> ODE:
@@ -177,19 +177,22 @@ class Composition:
             {name: x for name, x in _named(table).items() if name not in lost}
             for table in (self.start.values, self.start.near)
         )
+        return part._begun(start, near)
+
+    def _begun(self, start: dict[str, object], near: dict[str, object]) -> Composition:
+        """The theory with as many numbers of a start as it takes; the others are near its own."""
         refused: GravityError | StartError | None = None
         # As few numbers as possible are left to the constraints, the last ones first.
-        for count in range(len(start) + 1):
-            for names in combinations(reversed(start), count):
-                left = {name: x for name, x in start.items() if name not in names}
-                free = near | {name: start[name] for name in names}
-                trial = part._from(left, free)
-                try:
-                    _ = trial.beginning.first
-                except (GravityError, StartError) as error:
-                    refused = refused or error
-                else:
-                    return trial
+        sizes = range(len(start) + 1)
+        for names in chain.from_iterable(combinations(reversed(start), k) for k in sizes):
+            left = {name: x for name, x in start.items() if name not in names}
+            trial = self._from(left, near | {name: start[name] for name in names})
+            try:
+                _ = trial.beginning.first
+            except (GravityError, StartError) as error:
+                refused = refused or error
+            else:
+                return trial
         assert refused is not None
         raise refused
 

@@ -13,9 +13,9 @@ import sympy as sp
 from geomtorsion.errors import EndpointError, GravityError, StartError
 from geomtorsion.gravity.reduced.beginning import Beginning, Start
 from geomtorsion.gravity.reduced.reduction import Reduction
+from geomtorsion.gravity.reduced.requests import Request
 from geomtorsion.gravity.reduced.starts import check_parameters, numbers_of
-from geomtorsion.ode import ODE, At, Engine, Solution, When
-from geomtorsion.ode import solve as solve_ode
+from geomtorsion.ode import ODE, Solution
 from geomtorsion.ode.error_estimate import AIM
 from geomtorsion.ode.newton import Hit, Shot, lengths_of, tried
 from geomtorsion.support import checks
@@ -100,16 +100,10 @@ class Limit:
 
 @dataclass(frozen=True, eq=False)
 class Leg:
-    """Equations between two places, and how they are solved.
-
-    reduction: the equations. outputs, events, accuracy, engine: as for `solve`.
-    """
+    """Equations between two places, and how they are solved."""
 
     reduction: Reduction
-    outputs: Mapping[str, object]
-    events: tuple[At | When, ...]
-    accuracy: float
-    engine: Engine | None
+    request: Request
     # Equations by whether they begin at zero: other numbers need no new compilation.
     _odes: dict[bool, ODE] = field(default_factory=dict, repr=False)
     # Starts by the numbers from which they were completed: a power series takes long.
@@ -135,7 +129,7 @@ class Leg:
         place, full = beginning.first
         ode = self._odes.get(bool(place))
         if ode is None:
-            ode = reduction.ode_at(place, full, beginning.written, self.outputs, self.events)
+            ode = reduction.ode_at(place, full, beginning.written, self.request)
             self._odes[bool(place)] = ode
         numbers = {name: beginning.written[name] for name in reduction.parameters}
         if place:
@@ -143,7 +137,7 @@ class Leg:
         times = np.asarray(last, dtype=float) - float(place)
         if not np.all(times > 0) and not np.all(times < 0):
             raise EndpointError(f"the last value is not beyond {float(place):g}")
-        return solve_ode(ode.with_start(full, numbers), times, self.accuracy, self.engine)
+        return self.request.solved(ode.with_start(full, numbers), times)
 
 
 def ends_of(leg: Leg, solution: Solution) -> tuple[float, float]:
@@ -225,7 +219,7 @@ class Shooter:
             solution = leg.solved(start, last if is_last else end)
             if not is_last and solution.outcome != "stopped":
                 raise EndpointError("the first equations reach the last value before their event")
-            if is_last and solution.outcome == "stopped" and not leg.events:
+            if is_last and solution.outcome == "stopped" and not leg.request.events:
                 raise EndpointError("the solution ends before the last value")
             solutions.append(solution)
         return tuple(solutions)

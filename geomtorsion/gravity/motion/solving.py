@@ -10,10 +10,10 @@ from geomtorsion.errors import ArgumentError, GravityError
 from geomtorsion.gravity.motion.composition import Composition
 from geomtorsion.gravity.reduced.beginning import Start
 from geomtorsion.gravity.reduced.reduction import Reduction
+from geomtorsion.gravity.reduced.requests import Request
 from geomtorsion.gravity.theory.field_equations import FieldEquations
 from geomtorsion.gravity.theory.fluids import Fluid
 from geomtorsion.ode import At, Engine, Solution, When
-from geomtorsion.ode import solve as solve_ode
 from geomtorsion.support import checks
 
 
@@ -81,11 +81,12 @@ def solve(
     2.718281828
     """
     equations = checked_theory(equations)
-    begin, outputs = Start.of(start, parameters, near, origin), outputs or {}
+    begin = Start.of(start, parameters, near, origin)
+    request = Request.of(outputs, events, accuracy, engine)
     if isinstance(equations, Reduction):
         checks.known_name(variable, [equations.variable], "variable", GravityError)
         beginning = equations.beginning(begin)
-        ode = equations.ode_of(beginning, outputs, events)
+        ode = equations.ode_of(beginning, request)
     else:
         name = checks.known_name(
             variable, [x.name for x in equations.frame.coordinates], "variable", GravityError
@@ -95,11 +96,11 @@ def solve(
                 "solve: expected a fluid with one density and one pressure, got an equation of "
                 "state, which may have several pieces. Give the equations to gravity.star."
             )
-        theory = Composition(equations, name, begin, conditions, outputs, tuple(events))
+        theory = Composition(equations, name, begin, conditions, request)
         beginning, ode = theory.beginning, theory.ode
     place, _ = beginning.first
     times = last if place == 0 else np.asarray(last, dtype=float) - float(place)
-    return solve_ode(ode, times, accuracy, engine)
+    return request.solved(ode, times)
 
 
 def checked_theory(value: object, subject: str = "equations") -> FieldEquations | Reduction:

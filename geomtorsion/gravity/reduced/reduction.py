@@ -17,6 +17,7 @@ from geomtorsion.gravity.reduced.branches import Branch, Search
 from geomtorsion.gravity.reduced.centre import Centre
 from geomtorsion.gravity.reduced.elimination import Eliminated
 from geomtorsion.gravity.reduced.jets import Jets
+from geomtorsion.gravity.reduced.requests import Request
 from geomtorsion.gravity.reduced.starts import check_parameters, numbers_of
 from geomtorsion.ode import ODE, At, When
 from geomtorsion.ode import Centre as StartCentre
@@ -326,19 +327,13 @@ class Reduction:
         StartError, GravityError
             as for `complete` and `begin`.
         """
-        return self.ode_of(
-            self.beginning(Start.of(start, parameters, near, origin)), outputs or {}, events
-        )
+        beginning = self.beginning(Start.of(start, parameters, near, origin))
+        return self.ode_of(beginning, Request.of(outputs, events))
 
-    def ode_of(
-        self,
-        beginning: Beginning,
-        outputs: Mapping[str, object],
-        events: Iterable[At | When],
-    ) -> ODE:
+    def ode_of(self, beginning: Beginning, request: Request) -> ODE:
         """The same as `ode`, from the result of `beginning`."""
         place, states = beginning.first
-        ode = self.ode_at(place, states, beginning.written, outputs, events)
+        ode = self.ode_at(place, states, beginning.written, request)
         return replace(ode, centre=self._centre_of(beginning))
 
     def ode_at(
@@ -346,14 +341,13 @@ class Reduction:
         place: sp.Expr,
         states: Mapping[str, sp.Expr],
         parameters: Mapping[str, object],
-        outputs: Mapping[str, object],
-        events: Iterable[At | When],
+        request: Request,
     ) -> ODE:
         """The equations with numbers for all states at a place; other arguments as for `ode`."""
         check_parameters(self.parameters, parameters)
-        ends = [self._read_end(event) for event in events]
+        ends = [self._read_end(event) for event in request.events]
         rates, invariants, time = self.rates, self.invariants, self.variable
-        every = {**self.outputs, **self.read(outputs, "output")}
+        every = {**self.outputs, **self.read(request.outputs, "output")}
         numbers: dict[str, object] = {x: parameters[x] for x in self.parameters}
         if place:
             taken = {*rates, *self.parameters, *every}

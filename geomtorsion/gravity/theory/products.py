@@ -128,25 +128,18 @@ def _terms(source: Source, tokens: list[Token]) -> Iterator[tuple[Fraction, list
         token = tokens[position]
         position += 1
         if token.text in ("+", "-"):
-            if operation in ("*", "/"):
+            if operation:
                 raise _misplaced(source, token)
             if not is_empty:
                 yield number, factors
-                number, factors = Fraction(1), []
-            elif operation:
-                raise _misplaced(source, token)
-            if token.text == "-":
-                number = -number
+            number, factors = Fraction(f"{token.text}1"), []
             is_empty, operation = True, token.text
         elif token.text in ("*", "/"):
-            if is_empty or operation in ("*", "/"):
+            if is_empty or operation:
                 raise _misplaced(source, token)
             operation = token.text
         elif token.kind == "number":
-            value = int(token.text)
-            if operation == "/" and not value:
-                raise source.error(token.start, token.end, "expected a number that is not zero")
-            number = number / value if operation == "/" else number * value
+            number *= _number(source, token, operation == "/")
             is_empty, operation = False, ""
         elif token.kind == "name":
             if operation == "/":
@@ -164,6 +157,14 @@ def _terms(source: Source, tokens: list[Token]) -> Iterator[tuple[Fraction, list
         end = len(source.text)
         raise source.error(end, end + 1, "expected a product such as R_abcd R^abcd")
     yield number, factors
+
+
+def _number(source: Source, token: Token, is_below: bool) -> Fraction:
+    """A number of a product, or its inverse below the line."""
+    value = int(token.text)
+    if is_below and not value:
+        raise source.error(token.start, token.end, "expected a number that is not zero")
+    return Fraction(1, value) if is_below else Fraction(value)
 
 
 def _misplaced(source: Source, token: Token) -> Exception:

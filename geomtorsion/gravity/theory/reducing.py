@@ -10,7 +10,7 @@ from sympy.core.function import AppliedUndef
 
 from geomtorsion.errors import GravityError, LimitError
 from geomtorsion.exact import Element, unknown_functions
-from geomtorsion.gravity.reduced.branches import Search
+from geomtorsion.gravity.reduced.branches import Branch, Search
 from geomtorsion.gravity.reduced.elimination import Eliminated, Elimination, Residual
 from geomtorsion.gravity.reduced.jets import Jets
 from geomtorsion.gravity.reduced.reduction import Reduction
@@ -53,8 +53,15 @@ def reduced(sources: Sources, variable: object, conditions: object) -> Reduction
     below = [jets.read(_denominator(element)) for element in elements]
     search = Search(partial(Elimination, jets, functions, *sorts, below), tuple(pool))
     names = () if more else names_of_inner(sources.inner, symbol.name)
+    first = _first(search, names)
+    _check_determined(sources, jets, functions, first.eliminated)
+    return Reduction(jets, first, search, frame, names)
+
+
+def _first(search: Search, names: Sequence[str]) -> Branch:
+    """The first branch of a search; names: of arguments that a condition could name."""
     try:
-        first = search.first()
+        return search.first()
     except LimitError as limit:
         advice = f"Name the argument of a function: conditions={list(names)}. " if names else ""
         raise LimitError(
@@ -67,8 +74,6 @@ def reduced(sources: Sources, variable: object, conditions: object) -> Reduction
             "reduce: expected equations that give one highest derivative after another, got ones "
             "that refer to each other in a circle. Omit a condition, or add one."
         ) from None
-    _check_determined(sources, jets, functions, first.eliminated)
-    return Reduction(jets, first, search, frame, names)
 
 
 def _check_functions(functions: Sequence[AppliedUndef], variable: sp.Symbol) -> None:

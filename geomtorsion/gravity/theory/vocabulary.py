@@ -113,14 +113,7 @@ class Vocabulary:
     def check_name(self, name: str) -> None:
         """Refuse a name that has two meanings, or that looks like one that is not there."""
         if name in self.names:
-            if self.is_own(name):
-                remedy = "Rename the symbol of the frame."
-                if name in self.functions.values() or name in MATTER:
-                    remedy += " A scalar field may have another name: scalar_field(..., name='chi')"
-                    remedy += "."
-                raise GravityError(
-                    f"lagrangian: {name} is an invariant and a symbol of the frame. {remedy}"
-                )
+            self._check_one_meaning(name)
             return
         if self.is_own(name) or name in self.declared or not self.names:
             return
@@ -141,6 +134,16 @@ class Vocabulary:
                 f"lagrangian: expected the name of an invariant or of a parameter, got {name}. "
                 f"{self._hint(name)}Known are {self._listed}. Give a parameter another name, or "
                 f"declare it: {_declaration([*self.declared, name])}."
+            )
+
+    def _check_one_meaning(self, name: str) -> None:
+        """Refuse an invariant with the name of a symbol of the frame."""
+        if self.is_own(name):
+            remedy = "Rename the symbol of the frame."
+            if name in self.functions.values() or name in MATTER:
+                remedy += " A scalar field may have another name: scalar_field(..., name='chi')."
+            raise GravityError(
+                f"lagrangian: {name} is an invariant and a symbol of the frame. {remedy}"
             )
 
     def _check_invariant(self, name: str) -> None:

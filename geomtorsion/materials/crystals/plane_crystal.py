@@ -464,12 +464,17 @@ def plane_of(
         return places, cell, flags
     if places.shape[1] != 3 or len(places) < LEAST or not np.isfinite(places).all():
         return None
+    return _across_an_axis(places, cell, periodic)
+
+
+def _across_an_axis(
+    places: np.ndarray, cell: Any, periodic: Sequence[bool]
+) -> tuple[np.ndarray, Any, Any] | None:
+    """The same for atoms in space, shape (n, 3)."""
     sizes = np.ptp(places, axis=0)
     k = int(sizes.argmin())
     others = [axis for axis in range(3) if axis != k]
-    # The middle of the atoms decides, so that single ones far away do not.
-    low, high = np.quantile(places[:, others], (0.1, 0.9), axis=0)
-    distance = float(np.sqrt(np.prod((high - low) / 0.8) / len(places)))
+    distance = _distance(places[:, others])
     if not sizes[k] < distance / 10:
         return None
     if cell is None:
@@ -477,8 +482,14 @@ def plane_of(
     edges = np.asarray(cell, dtype=float)
     edges = np.diag(edges) if edges.shape == (3,) else edges
     flags = list(np.broadcast_to(np.asarray(periodic, dtype=bool), 3))
-    if edges.shape != (3, 3) or (flags[k] and not edges[k, k] > 4 * distance):
-        return None
-    if edges[others, k].any():
+    is_flat = edges.shape == (3, 3) and not edges[others, k].any()
+    if not is_flat or (flags[k] and not edges[k, k] > 4 * distance):
         return None
     return places[:, others], edges[np.ix_(others, others)], [bool(flags[j]) for j in others]
+
+
+def _distance(places: np.ndarray) -> float:
+    """About the distance of neighbours in a plane."""
+    # The middle of the atoms decides, so that single ones far away do not.
+    low, high = np.quantile(places, (0.1, 0.9), axis=0)
+    return float(np.sqrt(np.prod((high - low) / 0.8) / len(places)))

@@ -90,19 +90,9 @@ def read_points(path: Path, columns: Mapping[str, int | str] | None = None) -> P
     lines = text.splitlines()
     header = _chosen(path, lines, columns) if columns else _header(lines)
     if header is None:
-        first = next((line for line in lines if line.strip()), "")
-        raise FileFormatError(
-            f"{path}: expected a row of names such as x, y, u, v, or a text file of DaVis, got "
-            f"{shown(cut(first.strip(), 80))}. {other_reader(lines, 'SampledFrame.read')}"
-            'Name the columns, or give their numbers: columns={"x": 0, "y": 1, "u": 2, "v": 3} '
-            "(--columns x=0,y=1,u=2,v=3)."
-        )
+        raise _without_names(path, lines)
     names = header.names
-    line_numbers = [
-        k for k in range(names.row + 1, len(lines))
-        if lines[k].strip() and not lines[k].lstrip()[:1].isalpha()
-        and not lines[k].lstrip().startswith(COMMENTS)
-    ]  # fmt: skip
+    line_numbers = [k for k in range(names.row + 1, len(lines)) if _is_row(lines[k].lstrip())]
     if not line_numbers:
         raise FileFormatError(
             f"{path}: expected nodes below the header, got none. Is the file complete?"
@@ -128,6 +118,22 @@ def read_points(path: Path, columns: Mapping[str, int | str] | None = None) -> P
     return PointValues(
         places, values, [f"line {k}" for k in lines_read], axis_unit, vector_unit, form
     )
+
+
+def _without_names(path: Path, lines: Sequence[str]) -> FileFormatError:
+    """The error of a table whose columns have no names."""
+    first = next((line for line in lines if line.strip()), "")
+    return FileFormatError(
+        f"{path}: expected a row of names such as x, y, u, v, or a text file of DaVis, got "
+        f"{shown(cut(first.strip(), 80))}. {other_reader(lines, 'SampledFrame.read')}"
+        'Name the columns, or give their numbers: columns={"x": 0, "y": 1, "u": 2, "v": 3} '
+        "(--columns x=0,y=1,u=2,v=3)."
+    )
+
+
+def _is_row(line: str) -> bool:
+    """Whether a line without blanks in front holds values."""
+    return bool(line) and not line[0].isalpha() and not line.startswith(COMMENTS)
 
 
 def refuse_writing(path: Path, contents: Contents) -> NoReturn:

@@ -297,6 +297,34 @@ def paradis_text(lines: LineArrays) -> str:
         The network has no box along the coordinates, b is not of three components, or a line is
         longer than half a period: a reader of the file cannot distinguish it from a shorter one.
     """
+    box = _box_of(lines)
+    named = [_tag_of(label) for label in lines.labels]
+    tags = [tag for tag in named if tag is not None]
+    if len(set(tags)) < len(named):
+        tags = [(0, k) for k in range(len(named))]
+    names = [f"{a},{b}" for a, b in tags]
+    ends = [box.origin, box.origin + np.diag(box.vectors)]
+    low, high = ("\n".join(f"  {x!r}" for x in end.tolist()) for end in ends)
+    bounds = " ".join(repr(x) for end in ends for x in end.tolist())
+    arms: list[list[str]] = [[] for _ in names]
+    normals = np.zeros((len(lines.pairs), 3)) if lines.planes is None else lines.planes
+    for (a, b), vector, normal in zip(
+        lines.pairs.tolist(), lines.burgers.tolist(), normals.tolist(), strict=True
+    ):
+        plane = " ".join(map(repr, normal))
+        arms[a].append(f"   {names[b]} {' '.join(map(repr, vector))}\n       {plane}\n")
+        arms[b].append(f"   {names[a]} {' '.join(repr(-x) for x in vector)}\n       {plane}\n")
+    rows = [HEAD.format(low=low, high=high, count=len(names), bounds=bounds)]
+    for name, place, constraint, mine in zip(
+        names, lines.positions.tolist(), lines.constraint_list, arms, strict=True
+    ):
+        rows.append(f" {name} {' '.join(map(repr, place))} {len(mine)} {constraint}\n")
+        rows += mine
+    return "".join(rows)
+
+
+def _box_of(lines: LineArrays) -> Box:
+    """The box of a network that such a file can hold; other networks are refused."""
     box = lines.box
     if box is None or np.count_nonzero(box.vectors - np.diag(np.diag(box.vectors))):
         raise NetworkError(
@@ -317,29 +345,7 @@ def paradis_text(lines: LineArrays) -> str:
             f"expected lines of at most half a period, since a ParaDiS file holds no images, got "
             f"the longer line {a!r} -> {b!r}. Put a node into it."
         )
-    named = [_tag_of(label) for label in lines.labels]
-    tags = [tag for tag in named if tag is not None]
-    if len(set(tags)) < len(named):
-        tags = [(0, k) for k in range(len(named))]
-    names = [f"{a},{b}" for a, b in tags]
-    ends = [box.origin, box.origin + np.diag(box.vectors)]
-    low, high = ("\n".join(f"  {x!r}" for x in end.tolist()) for end in ends)
-    bounds = " ".join(repr(x) for end in ends for x in end.tolist())
-    arms: list[list[str]] = [[] for _ in names]
-    normals = np.zeros((len(first), 3)) if lines.planes is None else lines.planes
-    for (a, b), vector, normal in zip(
-        lines.pairs.tolist(), lines.burgers.tolist(), normals.tolist(), strict=True
-    ):
-        plane = " ".join(map(repr, normal))
-        arms[a].append(f"   {names[b]} {' '.join(map(repr, vector))}\n       {plane}\n")
-        arms[b].append(f"   {names[a]} {' '.join(repr(-x) for x in vector)}\n       {plane}\n")
-    rows = [HEAD.format(low=low, high=high, count=len(names), bounds=bounds)]
-    for name, place, constraint, mine in zip(
-        names, lines.positions.tolist(), lines.constraint_list, arms, strict=True
-    ):
-        rows.append(f" {name} {' '.join(map(repr, place))} {len(mine)} {constraint}\n")
-        rows += mine
-    return "".join(rows)
+    return box
 
 
 def _tag_of(label: object) -> Tag | None:

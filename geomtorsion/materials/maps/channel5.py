@@ -76,15 +76,9 @@ def read_channel5(path: Path, given: Mapping[int, str] | None = None) -> MapFile
         )
     declared = None
     if is_grid:
-        dx, dy = (keys.number("job", f"griddist{axis}") for axis in "xy")
-        declared = Declared(np.full(rows, columns), (dx, dy))
-        row, column = declared.pixels
+        declared = _grid(keys, text.name, rows, columns)
+        (dx, dy), (row, column) = declared.steps, declared.pixels
         x, y = dx * column, dy * row
-        if min(dx, dy) <= 0:
-            raise FileFormatError(
-                f"{text.name}: [Job]: expected steps GridDistX and GridDistY above 0, got {dx:g} "
-                f"and {dy:g}. Correct them."
-            )
     elif "x" in names and "y" in names:
         x, y = table["x"].astype(float), table["y"].astype(float)
     else:
@@ -98,6 +92,17 @@ def read_channel5(path: Path, given: Mapping[int, str] | None = None) -> MapFile
             np.where(indexed, phase, 0), phases, declared,
         )
     )  # fmt: skip
+
+
+def _grid(keys: _Keys, name: str, rows: int, columns: int) -> Declared:
+    """The grid of a map, with its steps."""
+    dx, dy = (keys.number("job", f"griddist{axis}") for axis in "xy")
+    if min(dx, dy) <= 0:
+        raise FileFormatError(
+            f"{name}: [Job]: expected steps GridDistX and GridDistY above 0, got {dx:g} "
+            f"and {dy:g}. Correct them."
+        )
+    return Declared(np.full(rows, columns), (dx, dy))
 
 
 def _partner(path: Path, end: str) -> Path:

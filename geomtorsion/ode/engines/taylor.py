@@ -215,9 +215,7 @@ def _integrator(
 ) -> Any:
     """heyoka's integrator of a system."""
     hy = heyoka()
-    variables = hy.make_vars(*(f"s{k}" for k in range(system.size)))
-    if system.size == 1:
-        variables = [variables] if not isinstance(variables, list) else variables
+    variables = [hy.expression(f"s{k}") for k in range(system.size)]
     symbols = dict(zip(system.states, variables, strict=True))
     symbols |= {name: hy.par[k] for k, name in enumerate(system.parameters)}
     if system.clock is not None and not width:
@@ -235,9 +233,8 @@ def _integrator(
         # Levels above 1 give the same bits and are not faster for one motion. Level 0 has others.
         "opt_level": 3 if width else int(optimised),
     }
-    guards = []
-    if system.guard is not None:
-        guards = [guard * number(FAINT) for guard in system.guard.heyoka(symbols, quotient)]
+    guards = [] if system.guard is None else system.guard.heyoka(symbols, quotient)
+    guards = [guard * number(FAINT) for guard in guards]
     # heyoka counts along rising times, wherever a run goes.
     falling = hy.event_direction.positive if backward else hy.event_direction.negative
     if width:
@@ -251,10 +248,8 @@ def _integrator(
             **options,
         )
     kind = type(number(0))
-    if precision != 53:
-        options["fp_type"] = kind
-        if precision > 113:
-            options["prec"] = precision
+    options |= {"fp_type": kind} if precision != 53 else {}
+    options |= {"prec": precision} if precision > 113 else {}
     if guards:
         events = {53: hy.t_event, 64: hy.t_event_ldbl, 113: getattr(hy, "t_event_f128", None)}
         maker = events.get(precision) or hy.t_event_real

@@ -73,13 +73,7 @@ def killing_vectors(
     n, field, q = frame.dimension, frame.field, frame.coordinates
     elements = independent(frame, functions)
     own = _components(frame, slot)
-    along = [[x.diff(one) for one in q] for x in elements]
-    if own.legs is not None:
-        legs = [[own.legs(a, i) for a in range(n)] for i in range(n)]
-        along = [
-            [field.sum([(1, x, y) for x, y in zip(leg, slope, strict=True)]) for leg in legs]
-            for slope in along
-        ]
+    along = _derivatives(frame, elements, own)
     lowering = [[own.lowering(k, j) for j in range(n)] for k in range(n)]
     unknowns = list(product(range(n), range(len(elements))))
     # Factors phi of the metric, after the components of the vector.
@@ -97,6 +91,19 @@ def killing_vectors(
     return [
         _vector(frame, slot, zip(unknowns, weights[: len(unknowns)], strict=True), elements)
         for weights in vanishing_sums(equations, len(unknowns) + len(factors))
+    ]
+
+
+def _derivatives(frame: Frame, elements: Sequence[Element], own: Components) -> list[list[Element]]:
+    """Derivatives of functions by each coordinate, or along each leg."""
+    n = frame.dimension
+    slopes = [[x.diff(one) for one in frame.coordinates] for x in elements]
+    if own.legs is None:
+        return slopes
+    legs = [[own.legs(a, i) for a in range(n)] for i in range(n)]
+    return [
+        [frame.field.sum([(1, x, y) for x, y in zip(leg, slope, strict=True)]) for leg in legs]
+        for slope in slopes
     ]
 
 

@@ -20,6 +20,7 @@ SEPARATOR = re.compile(r"[;\n]|\band\b")
 _OPEN, _CLOSE = "([{", ")]}"
 _WRAPPED = re.compile(r"(?:[\w.]*\b)?(?:Matrix|matrix|array|vector|Vector)\s*\((.*)\)", re.DOTALL)
 _DIAGONAL = re.compile(r"diag\s*\((.*)\)", re.DOTALL)
+_LISTED = re.compile(r"\s*[\[({]|\s*\w*(?:Matrix|array|diag)\s*\(")
 _MARKED = re.compile(r"([_^]?)\s*(\{[^{}]*\}|\([^()]*\)|\[[^\[\]]*\]|[^\s,_^{}()\[\]]+)")
 _PAIR = re.compile(r"(['\"])([^'\"]*)\1\s*:\s*(?:(['\"])([^'\"]*)\3|([^,{}]*))")
 
@@ -35,15 +36,7 @@ def table_or_list(question: Question, text: str, where: str) -> object:
         It is too long, or too many lists are nested.
     """
     check_length(text, where)
-    text = _with_signs(text, where).strip().replace("==", "=").replace(":=", "=")
-    if text.startswith("{") and _PAIR.search(text):
-        # A dictionary of Python: {"1,1": "r"}.
-        text = "; ".join(f"{m[2]} = {m[4] or m[5] or ''}" for m in _PAIR.finditer(text))
-    elif "=" not in text and ":" in text:
-        text = text.replace(":", "=")
-    label, sign, rest = text.partition("=")
-    if sign and "=" not in rest and re.match(r"\s*[\[({]|\s*\w*(?:Matrix|array|diag)\s*\(", rest):
-        text = rest.strip() if _is_name(question, label) else text
+    text = _without_label(question, _as_equations(_with_signs(text, where).strip()))
     if "=" in text:
         return _table(question, text, where)
     diagonal, wrapped = _DIAGONAL.fullmatch(text), _WRAPPED.fullmatch(text)
@@ -59,6 +52,22 @@ def table_or_list(question: Question, text: str, where: str) -> object:
     if text == "0":
         return 0
     return _bare(question, text, where)
+
+
+def _as_equations(text: str) -> str:
+    """A table of other programs with the signs of equations."""
+    text = text.replace("==", "=").replace(":=", "=")
+    if text.startswith("{") and _PAIR.search(text):
+        # A dictionary of Python: {"1,1": "r"}.
+        return "; ".join(f"{m[2]} = {m[4] or m[5] or ''}" for m in _PAIR.finditer(text))
+    return text if "=" in text else text.replace(":", "=")
+
+
+def _without_label(question: Question, text: str) -> str:
+    """A list or matrix without the name of the quantity in front of it."""
+    label, sign, rest = text.partition("=")
+    is_list = sign and "=" not in rest and _LISTED.match(rest)
+    return rest.strip() if is_list and _is_name(question, label) else text
 
 
 def check_length(text: str, where: str) -> None:
@@ -225,15 +234,17 @@ def _listed(question: Question, text: str, level: int) -> list[object]:
     spaced = text.split()
     if len(parts) == 1 and level == rank - 1 and len(spaced) == question.shape[-1] > 1:
         parts = spaced
-    entries: list[object] = []
-    for part in parts[:-1] if parts and not parts[-1] else parts:
-        inner = _inside(part)
-        is_list = inner is not None and (part[0] in "[{" or len(split_outside(inner, ",")) > 1)
-        if is_list and inner is not None and level < MOST.levels:
-            entries.append(_listed(question, inner, level + 1))
-        else:
-            entries.append(_unquoted(part))
-    return entries
+    parts = parts[:-1] if parts and not parts[-1] else parts
+    return [_entry(question, part, level) for part in parts]
+
+
+def _entry(question: Question, text: str, level: int) -> object:
+    """One entry of a list at a level: a list as well, or a text."""
+    inner = _inside(text)
+    if inner is None or level >= MOST.levels:
+        return _unquoted(text)
+    is_list = text[0] in "[{" or len(split_outside(inner, ",")) > 1
+    return _listed(question, inner, level + 1) if is_list else _unquoted(text)
 
 
 def _unquoted(text: str) -> str:

@@ -21,6 +21,7 @@ from geomtorsion.teaching.exercises.examiner import reply as checked
 from geomtorsion.teaching.exercises.limits import MOST
 from geomtorsion.teaching.exercises.mark_table import rows_of, write
 from geomtorsion.teaching.exercises.registry import Own, load, names
+from geomtorsion.teaching.exercises.verdict import Verdict
 from geomtorsion.teaching.exercises.worker_pool import Json
 
 # Keys of a file.
@@ -419,36 +420,61 @@ def _mark(
         refused = replace(refused, remarks=f"seed {read.seed} instead of {task.seed}")
         return replace(refused, student=read.student, seed=read.seed or 0)
     seed = read.seed if read.seed is not None else task.seed or 0
-    parts: dict[str, float] = {}
-    codes: list[str] = []
-    remarks = [f"no exercise {key!r}: it is not counted." for key in read.unknown]
-    remarks += [f"{key!r} is outside of [answers]: it is not read." for key in read.outside]
-    # A key that concerns the file only, such as a date, needs nobody's attention.
-    unseen = bool(read.unknown) or any(key in names(task.chapter) for key in read.outside)
-    answered = asked = unread = 0
-    most = 0.0
+    tally = _Tally.of_keys(read, task.chapter)
+    asked = 0
     for number in task.numbers:
         asked += len(load(number, seed, chapter=task.chapter).questions)
-        if number not in read.answers:
-            continue
-        verdict = examiner.check(number, read.answers[number], seed, chapter=task.chapter)
-        parts[number] = round(verdict.earned, 3)
-        codes_of = [(q.name, q.diagnosis) for q in verdict.questions]
-        answered += sum(code != "empty" for _, code in codes_of)
-        codes += [f"{number}:{name} {code}" for name, code in codes_of if code not in ("", "empty")]
-        remarks += [f"{number}: {note}" for note in verdict.notes]
-        # A person decides on these: until then the marks are a range.
-        most += verdict.at_most
-        unread += len(verdict.unread)
-        remarks += [f"{number}: {name} could not be read." for name in verdict.unread]
-        unseen |= bool(verdict.notes or verdict.unread)
+        if number in read.answers:
+            answers = read.answers[number]
+            tally.add(number, examiner.check(number, answers, seed, chapter=task.chapter))
+    remarks = tally.remarks
     if read.seed is None:
         remarks.append(f"the file names no seed: graded as seed {seed}.")
     if others := task.namesakes.get(path, ()):
         remarks.insert(0, f"the same student as in {', '.join(others)}: decide which one counts.")
-    status = TWICE if others else PARTLY if unseen else GRADED
+    status = TWICE if others else PARTLY if tally.is_open else GRADED
     return replace(
-        refused, student=read.student, seed=seed, earned=round(sum(parts.values()), 3),
-        at_most=round(most, 3), status=status, answered=f"{answered} of {asked}",
-        unread=unread, parts=parts, diagnoses="; ".join(codes), remarks=" ".join(remarks),
+        refused, student=read.student, seed=seed, earned=round(sum(tally.parts.values()), 3),
+        at_most=round(tally.most, 3), status=status, answered=f"{tally.answered} of {asked}",
+        unread=tally.unread, parts=tally.parts, diagnoses="; ".join(tally.codes),
+        remarks=" ".join(remarks),
     )  # fmt: skip
+
+
+@dataclass(eq=False)
+class _Tally:
+    """What the answers of one file add up to.
+
+    parts: marks by exercise; most: with those on which a person decides. codes: diagnoses.
+    answered, unread: numbers of questions. is_open: whether a person has to look at the file.
+    """
+
+    remarks: list[str]
+    is_open: bool
+    parts: dict[str, float] = field(default_factory=dict)
+    codes: list[str] = field(default_factory=list)
+    most: float = 0.0
+    answered: int = 0
+    unread: int = 0
+
+    @classmethod
+    def of_keys(cls, read: Submission, chapter: Own) -> _Tally:
+        """The tally before any answer, with remarks on the keys of the file."""
+        remarks = [f"no exercise {key!r}: it is not counted." for key in read.unknown]
+        remarks += [f"{key!r} is outside of [answers]: it is not read." for key in read.outside]
+        # A key that concerns the file only, such as a date, needs nobody's attention.
+        is_open = bool(read.unknown) or any(key in names(chapter) for key in read.outside)
+        return cls(remarks, is_open)
+
+    def add(self, number: str, verdict: Verdict) -> None:
+        """Count the answers to one exercise."""
+        self.parts[number] = round(verdict.earned, 3)
+        codes = [(q.name, q.diagnosis) for q in verdict.questions]
+        self.answered += sum(code != "empty" for _, code in codes)
+        self.codes += [f"{number}:{name} {x}" for name, x in codes if x not in ("", "empty")]
+        self.remarks += [f"{number}: {note}" for note in verdict.notes]
+        # A person decides on these: until then the marks are a range.
+        self.most += verdict.at_most
+        self.unread += len(verdict.unread)
+        self.remarks += [f"{number}: {name} could not be read." for name in verdict.unread]
+        self.is_open |= bool(verdict.notes or verdict.unread)

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from html import escape
 from itertools import zip_longest
@@ -164,14 +164,15 @@ def lines_of(latex: str) -> list[str]:
     cells = [list(row) for row in zip(*columns, strict=True)]
     widths = [max(map(len, column)) for column in columns]
     rows = ["  ".join(x.ljust(w) for x, w in zip(row, widths, strict=True)) for row in cells]
-    last, middle = len(rows) - 1, len(rows) // 2
-    lines = []
-    for k, row in enumerate(rows):
-        left = "(" if not last else "/" if k == 0 else "\\" if k == last else "|"
-        right = ")" if not last else "\\" if k == 0 else "/" if k == last else "|"
-        lead = before if k == middle else " " * len(before)
-        lines.append(f"{lead}{left} {row} {right}{after if k == middle else ''}")
-    return lines
+    inside = len(rows) - 2
+    # The pairs of signs that make up the two brackets, from above.
+    brackets = ["()"] if inside < 0 else ["/\\", *["||"] * inside, "\\/"]
+    sides = [(" " * len(before), "")] * len(rows)
+    sides[len(rows) // 2 : len(rows) // 2 + 1] = [(before, after)] * bool(rows)
+    return [
+        f"{lead}{left} {row} {right}{end}"
+        for (lead, end), (left, right), row in zip(sides, brackets, rows, strict=False)
+    ]
 
 
 @dataclass(frozen=True)
@@ -260,13 +261,22 @@ def _node(element: ElementTree.Element) -> Node:
         base, *marks = map(_node, children)
         return _scripted(base, *(marks[k] if k < len(marks) else EMPTY for k in _SCRIPTS[tag]))
     inner = _parts(element)
-    # A bracket of a pair that grows with what it holds has no attribute that stops it.
-    ends = [one.tag for one in (*children[:1], *children[-1:]) if not one.get("stretchy")]
-    if tag == "mrow" and ends == ["mo", "mo"] and len(children) > 1:
-        if [part.kind for part in inner[1:-1]] == ["matrix"]:
-            return inner[1]
-        return Node("fence", inner[0].text + inner[-1].text, (_row_of(inner[1:-1]),))
-    return _row_of(inner)
+    return _fenced(inner) if _is_fence(tag, children) else _row_of(inner)
+
+
+def _is_fence(tag: str, children: Sequence[ElementTree.Element]) -> bool:
+    """Whether a row is in brackets that grow with what they hold."""
+    if tag != "mrow" or len(children) < 2:
+        return False
+    # No attribute stops such a bracket.
+    return all(one.tag == "mo" and not one.get("stretchy") for one in (children[0], children[-1]))
+
+
+def _fenced(parts: tuple[Node, ...]) -> Node:
+    """A row in brackets; a matrix has its own brackets."""
+    if [part.kind for part in parts[1:-1]] == ["matrix"]:
+        return parts[1]
+    return Node("fence", parts[0].text + parts[-1].text, (_row_of(parts[1:-1]),))
 
 
 def _leaf(tag: str, text: str, *, upright: bool) -> Node:

@@ -79,27 +79,27 @@ class Control:
             return ""
         expected, fits = _KINDS.get(type(self.first), ("a text", lambda x: isinstance(x, str)))
         chosen: list[Any] = value if isinstance(value, list) else [value]
+        fits_more = True
         if self.options is not None:
             expected = f"one of its {len(self.options)} options"
-            # An empty choice is one where nothing was chosen at first.
-            fits_more = len(chosen) == 1 or (not chosen and not self.first)
-            fits_more = fits_more and all(isinstance(x, str) and x in self.options for x in chosen)
+            fits_more = self._is_option(chosen)
         elif self.kind == "file":
             expected = "a list of files, each a name and a content in base 64"
             fits_more = all(map(_is_file, chosen))
         elif fits(value) and self.ends is not None:
-            expected = "{} from {:g} to {:g}".format(
-                "a whole number" if self.whole else "a number", *self.ends
-            )
-            fits_more = self.ends[0] <= chosen[0] <= self.ends[1]
+            low, high = self.ends
+            expected = f"{'a whole number' if self.whole else 'a number'} from {low:g} to {high:g}"
+            fits_more = low <= chosen[0] <= high
             fits_more = fits_more and (not self.whole or float(chosen[0]).is_integer())
-        else:
-            fits_more = True
-        return (
-            ""
-            if fits(value) and fits_more
-            else f"{self.kind}: expected {expected}, got {shown(value)}"
-        )
+        if fits(value) and fits_more:
+            return ""
+        return f"{self.kind}: expected {expected}, got {shown(value)}"
+
+    def _is_option(self, chosen: list[Any]) -> bool:
+        """Whether a choice is one of the options; an empty one, if nothing was chosen at first."""
+        if len(chosen) > 1 or (not chosen and self.first):
+            return False
+        return all(isinstance(x, str) and x in (self.options or ()) for x in chosen)
 
 
 class ValueRefusedError(LimitError):
