@@ -12,7 +12,14 @@ import typer
 
 from geomtorsion.cli.exits import ExitCode
 from geomtorsion.cli.loop_sources import LoopFiles, Texts, files_of_loops, named_loop, typed_loop
-from geomtorsion.cli.options import Form, Proved, SpaceOrFile, directory, option
+from geomtorsion.cli.options import (
+    Form,
+    Proved,
+    Shown,
+    SpaceOrFile,
+    directory,
+    option,
+)
 from geomtorsion.cli.sources import open_space
 from geomtorsion.cli.terminal import working
 from geomtorsion.errors import GeomtorsionError, LoopError, MissingExtraError, MissingValueError
@@ -68,9 +75,7 @@ def burgers(
         bool, typer.Option("--exact", help="Compute a closed form instead of numbers.")
     ] = False,
     proved: Proved = False,
-    form: Annotated[
-        Form, typer.Option("--format", help="text to read, json for programs.")
-    ] = Form.text,
+    form: Shown = Form.text,
     output: Annotated[
         Path | None,
         directory("Directory for burgers.json and pictures, created if missing."),

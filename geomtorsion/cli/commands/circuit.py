@@ -23,6 +23,7 @@ from geomtorsion.cli.options import (
     MeasuredSlip,
     MeasuredSpots,
     MeasuredThreshold,
+    Shown,
     directory,
     option,
 )
@@ -58,9 +59,7 @@ def circuit(
         bool,
         typer.Option("--proved", help="Grids: prove the integral of the interpolant."),
     ] = False,
-    form: Annotated[
-        Form, typer.Option("--format", help="text to read, json for programs.")
-    ] = Form.text,
+    form: Shown = Form.text,
     output: Annotated[
         Path | None,
         directory("Directory for burgers.json and circuits.png, created if missing."),

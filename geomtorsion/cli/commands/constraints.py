@@ -9,7 +9,12 @@ from typing import Annotated
 import typer
 
 from geomtorsion import gravity
-from geomtorsion.cli.options import Form, argument, directory
+from geomtorsion.cli.options import (
+    Form,
+    Shown,
+    argument,
+    directory,
+)
 from geomtorsion.cli.results import show_result, write_result
 from geomtorsion.cli.terminal import working
 from geomtorsion.pictures.constraints import draw_constraints
@@ -28,9 +33,7 @@ def constraints(
     constant: Annotated[
         float, typer.Option("--lambda", metavar="X", help="Cosmological constant.")
     ] = 0.0,
-    form: Annotated[
-        Form, typer.Option("--format", help="text to read, json for programs.")
-    ] = Form.text,
+    form: Shown = Form.text,
     output: Annotated[
         Path | None,
         directory("Directory for constraints.json and constraints.png, created if missing."),
@@ -39,9 +42,10 @@ def constraints(
     """Check whether initial data on a grid satisfy the constraints of gravity.
 
     The file holds metric and extrinsic_curvature of shape (3, 3, N, N, N), axis_x, axis_y, axis_z,
-    and optionally density, momentum, mask and unit. Errors come from twice the step.
+    and optionally density, momentum, mask and unit. Errors are estimated from a grid of twice the
+    step.
 
-    \\b
+    \b
     Examples:
       geomtorsion constraints slice.npz
       geomtorsion constraints slice.h5 --order 6 -o out

@@ -7,7 +7,12 @@ from typing import Annotated
 
 import typer
 
-from geomtorsion.cli.options import Form, directory, option
+from geomtorsion.cli.options import (
+    Form,
+    Shown,
+    directory,
+    option,
+)
 from geomtorsion.cli.results import show_result, write_result
 from geomtorsion.cli.sources import open_space
 from geomtorsion.cli.terminal import working
@@ -77,9 +82,7 @@ def count(
         int | None, typer.Option(metavar="N", help="Highest order of the power series.")
     ] = None,
     seed: Annotated[int, typer.Option(metavar="N", help="Seed of the random start.")] = 0,
-    form: Annotated[
-        Form, typer.Option("--format", help="text to read, json for programs.")
-    ] = Form.text,
+    form: Shown = Form.text,
     output: Annotated[
         Path | None,
         directory("Directory for count.json and count.png, created if missing."),

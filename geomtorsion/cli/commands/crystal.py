@@ -13,7 +13,13 @@ import numpy as np
 import typer
 
 from geomtorsion.cli.exits import resumable
-from geomtorsion.cli.options import Form, argument, directory, option
+from geomtorsion.cli.options import (
+    Form,
+    Shown,
+    argument,
+    directory,
+    option,
+)
 from geomtorsion.cli.terminal import some_rows
 from geomtorsion.conventions import burgers
 from geomtorsion.errors import CheckpointError, CrystalError, GeomtorsionError, MissingExtraError
@@ -80,9 +86,7 @@ def crystal(
             metavar="NAME", help="Sign convention of b: SF/RH, FS/RH, OVITO, Hirth-Lothe."
         ),
     ] = "SF/RH",
-    form: Annotated[
-        Form, typer.Option("--format", help="text to read, json for programs.")
-    ] = Form.text,
+    form: Shown = Form.text,
     cell: Annotated[
         str | None,
         option(metavar="A,B,C", text="Arrays: lengths of the cell's edges, or ax,ay,az;bx,...;..."),

@@ -10,7 +10,15 @@ from typing import Annotated
 import typer
 
 from geomtorsion.cli.exits import ExitCode
-from geomtorsion.cli.options import Form, Proved, SpaceOrFile, directory, option, say_written
+from geomtorsion.cli.options import (
+    Form,
+    Proved,
+    Shown,
+    SpaceOrFile,
+    directory,
+    option,
+    say_written,
+)
 from geomtorsion.cli.solved_theories import Request, SolvedTheory
 from geomtorsion.cli.sources import open_space
 from geomtorsion.cli.terminal import shows_greek, working
@@ -38,9 +46,7 @@ def gravity(
     invariant: InvariantOption = None,
     scalar: ScalarOption = None,
     maxwell: MaxwellOption = None,
-    form: Annotated[
-        Form, typer.Option("--format", help="text to read, json for programs.")
-    ] = Form.text,
+    form: Shown = Form.text,
     solved: Annotated[
         str | None,
         option(

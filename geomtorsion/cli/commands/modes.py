@@ -10,7 +10,12 @@ from typing import Annotated
 import numpy as np
 import typer
 
-from geomtorsion.cli.options import Form, directory, option
+from geomtorsion.cli.options import (
+    Form,
+    Shown,
+    directory,
+    option,
+)
 from geomtorsion.cli.results import show_result, write_result
 from geomtorsion.cli.terminal import working
 from geomtorsion.cli.theories import (
@@ -78,9 +83,7 @@ def modes(
     times: Annotated[
         str, option(metavar="FIRST,LAST", text="Report numbers between two times on a cosmos.")
     ] = "",
-    form: Annotated[
-        Form, typer.Option("--format", help="text to read, json for programs.")
-    ] = Form.text,
+    form: Shown = Form.text,
     output: Annotated[
         Path | None,
         directory("Directory for modes.json and, with --times, modes.png, created if missing."),

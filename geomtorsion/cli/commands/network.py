@@ -12,7 +12,13 @@ import typer
 
 from geomtorsion.cli.exits import ExitCode
 from geomtorsion.cli.loop_sources import Texts, typed_loop
-from geomtorsion.cli.options import Form, argument, directory, option
+from geomtorsion.cli.options import (
+    Form,
+    Shown,
+    argument,
+    directory,
+    option,
+)
 from geomtorsion.cli.terminal import ROWS
 from geomtorsion.errors import GeomtorsionError, MissingExtraError, NetworkError
 from geomtorsion.geometry import Frame
@@ -49,9 +55,7 @@ def network(
         option(metavar="METRES", text="Unit of length of the file: shows densities per m^2."),
     ] = None,
     bounded: Annotated[bool, typer.Option("--bounded", help="The box is not periodic.")] = False,
-    form: Annotated[
-        Form, typer.Option("--format", help="text to read, json for programs.")
-    ] = Form.text,
+    form: Shown = Form.text,
     output: Annotated[
         Path | None,
         directory("Directory for network.json and network.png, created if missing."),

@@ -15,6 +15,7 @@ from geomtorsion.cli.options import (
     Moments,
     Parameters,
     Potential,
+    Shown,
     argument,
     directory,
     option,
@@ -49,7 +50,8 @@ def orbit(
         option(
             "--section",
             metavar="EXPR",
-            text="Vanishes at the start; may be repeated. Default: the plane across the motion.",
+            text="Expression that vanishes at the start; may be repeated. Default: a plane across "
+            "the motion.",
         ),
     ] = None,
     symmetry: Annotated[
@@ -57,7 +59,7 @@ def orbit(
         option(
             "--symmetry",
             metavar="NAME,...|NAME=X,...",
-            text="States that change their sign where the motion is reversed in time.",
+            text="States that change sign under time reversal, or their mirror values.",
         ),
     ] = None,
     conserved: Annotated[
@@ -73,7 +75,7 @@ def orbit(
         option(
             "--shift",
             metavar="NAME=X,...",
-            text="How much a state grows in one period, as phi=2*pi; `NAME=free` if it need not "
+            text="Increase of a state in one period, such as phi=2*pi; `NAME=free` if it need not "
             "return.",
         ),
     ] = None,
@@ -87,9 +89,7 @@ def orbit(
         bool,
         typer.Option("--proved", help="Also print the box of the theorem and what it assumes."),
     ] = False,
-    form: Annotated[
-        Form, typer.Option("--format", help="text to read, json for programs.")
-    ] = Form.text,
+    form: Shown = Form.text,
     output: Annotated[
         Path | None, directory("Write orbit.json and a figure of the orbit to this directory.")
     ] = None,

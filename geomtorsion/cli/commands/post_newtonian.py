@@ -5,9 +5,12 @@ from __future__ import annotations
 from pathlib import Path
 from typing import Annotated
 
-import typer
-
-from geomtorsion.cli.options import Form, directory, option
+from geomtorsion.cli.options import (
+    Form,
+    Shown,
+    directory,
+    option,
+)
 from geomtorsion.cli.results import show_result, write_result
 from geomtorsion.cli.terminal import working
 from geomtorsion.cli.theories import (
@@ -47,9 +50,7 @@ def post_newtonian(
         ),
     ] = None,
     values: Couplings = None,
-    form: Annotated[
-        Form, typer.Option("--format", help="text to read, json for programs.")
-    ] = Form.text,
+    form: Shown = Form.text,
     output: Annotated[
         Path | None,
         directory("Directory for post_newtonian.json and post_newtonian.png, created if missing."),

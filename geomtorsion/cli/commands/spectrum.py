@@ -7,7 +7,12 @@ from typing import Annotated
 
 import typer
 
-from geomtorsion.cli.options import Form, directory, option
+from geomtorsion.cli.options import (
+    Form,
+    Shown,
+    directory,
+    option,
+)
 from geomtorsion.cli.results import show_result, write_result
 from geomtorsion.cli.terminal import working
 from geomtorsion.cli.theories import (
@@ -41,12 +46,10 @@ def spectrum(
     invariant: InvariantOption = None,
     scalars: ScalarNames = "",
     vectors: Annotated[
-        int, typer.Option(metavar="N", help="How many vector fields A, with F2 and A_a.")
+        int, typer.Option(metavar="N", help="Number of vector fields A, with F2 and A_a.")
     ] = 0,
     values: Couplings = None,
-    form: Annotated[
-        Form, typer.Option("--format", help="text to read, json for programs.")
-    ] = Form.text,
+    form: Shown = Form.text,
     output: Annotated[
         Path | None,
         directory("Directory for spectrum.json and spectrum.png, created if missing."),

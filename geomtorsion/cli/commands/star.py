@@ -7,7 +7,12 @@ from typing import Annotated
 
 import typer
 
-from geomtorsion.cli.options import Form, directory, option
+from geomtorsion.cli.options import (
+    Form,
+    Shown,
+    directory,
+    option,
+)
 from geomtorsion.cli.results import show_result, write_result
 from geomtorsion.cli.terminal import working
 from geomtorsion.cli.values import numbers
@@ -49,9 +54,7 @@ def star(
     accuracy: Annotated[
         float, typer.Option(metavar="X", help="Relative error of each solution.")
     ] = 1e-9,
-    form: Annotated[
-        Form, typer.Option("--format", help="text to read, json for programs.")
-    ] = Form.text,
+    form: Shown = Form.text,
     output: Annotated[
         Path | None,
         directory("Directory for star.json and star.png; stars.csv for several stars."),

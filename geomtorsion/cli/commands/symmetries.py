@@ -9,7 +9,11 @@ from typing import Annotated
 import typer
 
 from geomtorsion import gravity
-from geomtorsion.cli.options import Form, SpaceOrFile
+from geomtorsion.cli.options import (
+    Form,
+    Shown,
+    SpaceOrFile,
+)
 from geomtorsion.cli.sources import open_space
 from geomtorsion.cli.terminal import working
 from geomtorsion.cli.theories import Over, connection_of
@@ -33,27 +37,25 @@ def symmetries(
         typer.Option(
             "--connection",
             "-c",
-            help="The connection that is kept with the metric; own: of the space, or Cartan if it "
-            "has none.",
+            help="Connection that the symmetries preserve besides the metric; own: of the space, "
+            "or Cartan if it has none.",
         ),
     ] = Over.levi_civita,
     keep: Annotated[
         Keep,
         typer.Option(
-            help="homothetic: the metric up to a constant factor; conformal: up to a function; "
-            "both for the Levi-Civita connection only.",
+            help="metric: isometries. homothetic: the metric changes by a constant factor. "
+            "conformal: by a function. The last two need the Levi-Civita connection.",
         ),
     ] = Keep.metric,
-    form: Annotated[
-        Form, typer.Option("--format", help="text to read, json for programs.")
-    ] = Form.text,
+    form: Shown = Form.text,
 ) -> None:
     """Show the symmetries of a space, their Lie algebra, and the holonomy.
 
     The number of symmetries and the algebra are exact. X_0, X_1, ... are the vectors in their
     order, or a basis at one point if some vectors have no closed form. In JSON the structure
-    constants have the keys i,j,k of [X_i, X_j] = C X_k. The holonomy algebra contains the
-    rotations by which loops turn vectors.
+    constants have the keys i,j,k of [X_i, X_j] = C X_k. The holonomy algebra generates the
+    rotations of vectors by parallel transport around loops.
 
     \b
     Examples:
