@@ -25,7 +25,7 @@ def _shortened(message: str) -> str:
 
 
 class GeomtorsionError(Exception):
-    """Base of every error this package raises on purpose; no message of one is endless.
+    """Base class of all errors of this package; their messages have a limited length.
 
     page: name of the page of the documentation (examples/site) that helps.
 
@@ -98,7 +98,7 @@ class StructureConstantError(GeomtorsionError, ValueError):
 
 
 class ShapeError(GeomtorsionError, ValueError):
-    """An array has not the shape that the dimension demands."""
+    """An array does not have the shape that the dimension demands."""
 
 
 class TensorIndexError(GeomtorsionError, ValueError):

@@ -33,8 +33,8 @@ def numpy_function(
     symbols
         the arguments in order: sympy symbols, or unknown functions such as f(r).
     check
-        raise where a value is inaccurate or not finite; False: return values unchecked, and no
-        numbers where a root has not the sign with which it was read.
+        raise where a value is inaccurate or not finite; False: return values unchecked, and NaN
+        where a root does not have the sign with which it was read.
 
     Returns
     -------
@@ -51,10 +51,11 @@ def numpy_function(
         (also from the function) a symbol comes twice; an argument is neither a real number nor an
         array of them, or, if values are to be right, not finite.
     BranchError
-        (from the function) a root has not the sign with which it was read, see `Frame.branches`.
+        (from the function) a root does not have the sign with which it was read, see
+        `Frame.branches`.
     SingularPointError
-        (from the function) a value is not finite, or drowns in rounding however many digits are
-        taken; the message names element and point.
+        (from the function) a value is not finite, or no number of digits separates it from
+        rounding; the message names element and point.
 
     Examples
     --------

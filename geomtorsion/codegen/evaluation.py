@@ -75,7 +75,7 @@ def _long(value: Exact) -> mpmath.mpf:
 
 
 def rational(value: Any) -> Fraction | None:
-    """A number as a fraction where it is one (floats of any length are), else None.
+    """A number as a fraction if it is rational, as every float is; else None.
 
     Examples
     --------

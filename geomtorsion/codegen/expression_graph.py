@@ -67,11 +67,10 @@ def graph(
     outputs
         k of them; elements of several fields, sympy expressions and sums of products may mix.
     constants
-        those arguments that do not change while the others do: work with only them is done once,
-        and products with them cost little.
+        arguments that stay constant while the others vary: expressions of only these are computed
+        once, and products with them cost little.
     factor
-        whether what terms share is pulled out of them. Sums that are too long for that stay as
-        they are.
+        whether common factors of terms are extracted. Very long sums stay unchanged.
 
     Raises
     ------
@@ -103,7 +102,7 @@ def graph(
 
 @dataclass(frozen=True, eq=False)
 class Graph:
-    """Values computed one after another, each once; two graphs are equal where their code is.
+    """Graph of expressions: shared values are computed once. Equal code makes equal graphs.
 
     arguments: names, in order.
     steps: values in order; values that no output needs are omitted.
@@ -283,7 +282,7 @@ class Graph:
 
     @cached_property
     def poles(self) -> Graph:
-        """Values at whose zeros an output may have no value: denominators and their kind.
+        """Values at whose zeros an output may have no value, such as denominators.
 
         Examples
         --------
@@ -309,7 +308,7 @@ class Graph:
     def with_factors(
         self, arguments: Mapping[str, str], outputs: Sequence[str], more: Sequence[str]
     ) -> Graph:
-        """The same with factors in front of arguments and outputs: further arguments, constant.
+        """The graph with a factor for each argument and output, as further constant arguments.
 
         arguments: name of an argument -> name of its factor; outputs: names of factors, one for
         each output, or none; more: names of all factors in order.
@@ -340,7 +339,7 @@ class Graph:
         return Graph((*self.arguments, *more), *builder.needed(signed), self.is_complex)
 
     def hoisted(self, first: int, name: str) -> tuple[Graph, Graph]:
-        """The same over constants that are computed once, and the graph that computes these.
+        """The graph with its constant parts as arguments, and the graph that computes these.
 
         first: position of the first constant argument; all after it are also constant, and are
         the arguments of the second graph; name: of the new arguments, which are numbered.

@@ -170,7 +170,7 @@ class FreeTop:
         return later if math.isfinite(later) else math.nan
 
     def omega(self, times: ArrayLike) -> NDArray[Any]:
-        """Body-fixed angular velocity; times of any shape, one more axis of length 3 out.
+        """Body-fixed angular velocity, radians per time, shape (..., 3) for times of shape (...).
 
         Equation
         --------
@@ -311,7 +311,7 @@ def free_top(moments: object, omega: object, quaternion: object = (1.0, 0.0, 0.0
     StartError
         A moment is not positive, a number is not finite or huge, or the quaternion not of length 1.
     ShapeError
-        A list has not the right length.
+        A list does not have three numbers, or the quaternion not four.
 
     Examples
     --------

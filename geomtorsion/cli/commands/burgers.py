@@ -12,14 +12,7 @@ import typer
 
 from geomtorsion.cli.exits import ExitCode
 from geomtorsion.cli.loop_sources import LoopFiles, Texts, files_of_loops, named_loop, typed_loop
-from geomtorsion.cli.options import (
-    Form,
-    Proved,
-    Shown,
-    SpaceOrFile,
-    directory,
-    option,
-)
+from geomtorsion.cli.options import Form, Proved, Shown, SpaceOrFile, directory, option
 from geomtorsion.cli.sources import open_space
 from geomtorsion.cli.terminal import working
 from geomtorsion.errors import GeomtorsionError, LoopError, MissingExtraError, MissingValueError

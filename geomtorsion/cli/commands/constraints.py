@@ -9,12 +9,7 @@ from typing import Annotated
 import typer
 
 from geomtorsion import gravity
-from geomtorsion.cli.options import (
-    Form,
-    Shown,
-    argument,
-    directory,
-)
+from geomtorsion.cli.options import Form, Shown, argument, directory
 from geomtorsion.cli.results import show_result, write_result
 from geomtorsion.cli.terminal import working
 from geomtorsion.pictures.constraints import draw_constraints

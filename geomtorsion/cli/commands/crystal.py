@@ -13,13 +13,7 @@ import numpy as np
 import typer
 
 from geomtorsion.cli.exits import resumable
-from geomtorsion.cli.options import (
-    Form,
-    Shown,
-    argument,
-    directory,
-    option,
-)
+from geomtorsion.cli.options import Form, Shown, argument, directory, option
 from geomtorsion.cli.terminal import some_rows
 from geomtorsion.conventions import burgers
 from geomtorsion.errors import CheckpointError, CrystalError, GeomtorsionError, MissingExtraError

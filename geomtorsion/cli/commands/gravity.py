@@ -10,15 +10,7 @@ from typing import Annotated
 import typer
 
 from geomtorsion.cli.exits import ExitCode
-from geomtorsion.cli.options import (
-    Form,
-    Proved,
-    Shown,
-    SpaceOrFile,
-    directory,
-    option,
-    say_written,
-)
+from geomtorsion.cli.options import Form, Proved, Shown, SpaceOrFile, directory, option, say_written
 from geomtorsion.cli.solved_theories import Request, SolvedTheory
 from geomtorsion.cli.sources import open_space
 from geomtorsion.cli.terminal import shows_greek, working

@@ -12,13 +12,7 @@ import typer
 
 from geomtorsion.cli.exits import ExitCode
 from geomtorsion.cli.loop_sources import Texts, typed_loop
-from geomtorsion.cli.options import (
-    Form,
-    Shown,
-    argument,
-    directory,
-    option,
-)
+from geomtorsion.cli.options import Form, Shown, argument, directory, option
 from geomtorsion.cli.terminal import ROWS
 from geomtorsion.errors import GeomtorsionError, MissingExtraError, NetworkError
 from geomtorsion.geometry import Frame

@@ -5,12 +5,7 @@ from __future__ import annotations
 from pathlib import Path
 from typing import Annotated
 
-from geomtorsion.cli.options import (
-    Form,
-    Shown,
-    directory,
-    option,
-)
+from geomtorsion.cli.options import Form, Shown, directory, option
 from geomtorsion.cli.results import show_result, write_result
 from geomtorsion.cli.terminal import working
 from geomtorsion.cli.theories import (

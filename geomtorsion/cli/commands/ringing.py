@@ -7,13 +7,7 @@ from typing import Annotated
 
 import typer
 
-from geomtorsion.cli.options import (
-    Form,
-    Shown,
-    SpaceOrFile,
-    directory,
-    option,
-)
+from geomtorsion.cli.options import Form, Shown, SpaceOrFile, directory, option
 from geomtorsion.cli.results import show_result, write_result
 from geomtorsion.cli.sources import open_space
 from geomtorsion.cli.terminal import working

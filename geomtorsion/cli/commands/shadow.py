@@ -8,14 +8,7 @@ from typing import Annotated
 
 import typer
 
-from geomtorsion.cli.options import (
-    Form,
-    Parameters,
-    Shown,
-    SpaceOrFile,
-    directory,
-    option,
-)
+from geomtorsion.cli.options import Form, Parameters, Shown, SpaceOrFile, directory, option
 from geomtorsion.cli.results import say_on_error, show_result
 from geomtorsion.cli.sources import open_space
 from geomtorsion.cli.terminal import working
@@ -75,8 +68,8 @@ def shadow(
     """Compute the shadow of a black hole in the light that reaches a camera.
 
     The camera is at rest in the legs of the tetrad. Its rays are followed back until they are
-    captured or escape. If no camera or parameters are given, those of the first motion of the space
-    are used. The image is computed only with -o.
+    captured or escape. The first motion of the space supplies a missing camera and missing
+    parameters. The image is computed only with -o.
 
     \b
     Examples:

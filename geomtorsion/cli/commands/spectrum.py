@@ -7,12 +7,7 @@ from typing import Annotated
 
 import typer
 
-from geomtorsion.cli.options import (
-    Form,
-    Shown,
-    directory,
-    option,
-)
+from geomtorsion.cli.options import Form, Shown, directory, option
 from geomtorsion.cli.results import show_result, write_result
 from geomtorsion.cli.terminal import working
 from geomtorsion.cli.theories import (

@@ -9,11 +9,7 @@ from typing import Annotated
 import typer
 
 from geomtorsion import gravity
-from geomtorsion.cli.options import (
-    Form,
-    Shown,
-    SpaceOrFile,
-)
+from geomtorsion.cli.options import Form, Shown, SpaceOrFile
 from geomtorsion.cli.sources import open_space
 from geomtorsion.cli.terminal import working
 from geomtorsion.cli.theories import Over, connection_of
