@@ -46,7 +46,7 @@ class GeomtorsionError(Exception):
 
 
 class ArgumentError(GeomtorsionError, TypeError):
-    """An argument is of another kind than the one that is needed: the message names both."""
+    """An argument is of the wrong kind: the message names the required kind and the given one."""
 
 
 class ExpressionError(GeomtorsionError, ValueError):
@@ -98,7 +98,7 @@ class StructureConstantError(GeomtorsionError, ValueError):
 
 
 class ShapeError(GeomtorsionError, ValueError):
-    """An array does not have the shape that the dimension demands."""
+    """An array does not have the shape that the dimension requires."""
 
 
 class TensorIndexError(GeomtorsionError, ValueError):
@@ -119,7 +119,7 @@ class SingularPointError(GeomtorsionError, ArithmeticError):
 
 
 class BranchError(SingularPointError):
-    """A root was read with a sign that it has not at a point: the message names both."""
+    """A root was read with one sign and has the other at a point: the message names both."""
 
 
 class UndecidedError(GeomtorsionError, ArithmeticError):
@@ -246,7 +246,7 @@ class NetworkError(GeomtorsionError, ValueError):
 
 
 class CrystalError(GeomtorsionError, ValueError):
-    """Atoms form no crystal, or another one than named; the message names the one that fits."""
+    """Atoms form no crystal, or another than named; the message names the crystal that fits."""
 
     page = "tutorials/from_data"
 

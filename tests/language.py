@@ -60,7 +60,15 @@ PATTERNS: dict[str, tuple[str, str]] = {
         r"\b(?:lowest|higher|later|lower|same|one) floors?\b|\brooms?\b",
         "package, layer; memory, space",
     ),
-    "fronted of": (r"(?:^|[.;:] )Of (?!course)", "put the subject first"),
+    "fronted of": (r"(?:^|[.;:]\s{1,3})Of (?!course)", "put the subject first"),
+    # "Has not one component" reads as "has no component".
+    "has not one": (
+        r"\b(?:has|have|had) not (?:an?|the|one|two|three|four|as|n|its|their|enough|any)\b",
+        "does not have",
+    ),
+    "drowns": (r"\bdrowns?\b", "is lost in"),
+    "how sure": (r"\bhow sure\b(?! (?:is|are)\b)", "certainty of"),
+    "wanted": (r"\bWanted (?:relative )?(?:error|accuracy)\b", "requested"),
     "moment of a force": (r"\bmoments? of (?:a )?forces?\b", "torque"),
     "that is none": (r"\b(?:that|which) (?:is|are) none\b", "invalid"),
 }

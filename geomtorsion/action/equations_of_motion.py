@@ -89,7 +89,7 @@ def reduced(
 
 @dataclass(frozen=True, eq=False, repr=False)
 class EquationsOfMotion:
-    """Equations of motion in quasi-velocities u^i = e^i_mu q'^mu, solved and proved.
+    """Equations of motion in quasi-velocities u^i = e^i_mu q'^mu, solved for u'^i.
 
     frame: the frame whose forms give the velocities.
     lagrangian: L(q, u, t).
@@ -126,7 +126,7 @@ class EquationsOfMotion:
     def residuals(self) -> tuple[sp.Expr, ...]:
         """d/dt p_k - A_kj^i u^j p_i - E_k(L) - F_k, which vanish on a motion (Boltzmann, Hamel).
 
-        u'^k are written u1dot, u2dot, ...; one for each velocity that moves.
+        There is one for each velocity that changes; u'^k are written u1dot, u2dot, ...
         """
         dots = self.hamel.bundle.symbols.accelerations
         residuals = []
@@ -160,10 +160,10 @@ class EquationsOfMotion:
 
     @cached_property
     def euler_lagrange(self) -> tuple[sp.Expr, ...]:
-        """The equations in coordinates, one for each; q'^mu are written phi1dot, q''^mu phi1ddot.
+        """Euler-Lagrange equations; q'^mu and q''^mu are written phi1dot, phi1ddot.
 
-        They are derived from L(q, e q', t) on their own. Under constraints their right sides are
-        the forces of reaction; without, zero.
+        There is one for each coordinate, derived from L(q, e q', t) without use of `residuals`.
+        Under constraints their right sides are the forces of reaction, otherwise zero.
         """
         return tuple(value.sympy for value in self.lagrange.residuals)
 
@@ -174,7 +174,7 @@ class EquationsOfMotion:
 
     @cached_property
     def torsion_force(self) -> tuple[sp.Expr, ...]:
-        """C_kj^i u^j p_i in the frame: the term of Hamilton's principle that Kleinert's lacks.
+        """C_kj^i u^j p_i in the frame: a term of Hamilton's principle, absent in Kleinert's.
 
         With p_i = eta_ij u^j it is minus the torsion force 2 S_a^c_b q'^a q'^b.
         """
@@ -191,12 +191,12 @@ class EquationsOfMotion:
 
     @cached_property
     def invariants(self) -> ConservedQuantities:
-        """Name -> conserved quantity f(q, u, t), each proved by exact zero."""
+        """Conserved quantities f(q, u, t) by name, each proved by exact zero."""
         return conserved(self.hamel, self.frame, self.lagrange.bundle.frame)
 
     @cached_property
     def reactions(self) -> Mapping[str, sp.Expr]:
-        """Forces that keep the constraints, by the velocity whose form each replaces."""
+        """Forces of constraint, each by the name of the velocity that its constraint removes."""
         hamel, names = self.hamel, self.hamel.bundle.symbols.velocities
         if hamel.reactions is not None:
             return {names[k].name: value.sympy for k, value in hamel.reactions.items()}
@@ -208,7 +208,7 @@ class EquationsOfMotion:
 
     @cached_property
     def reduced(self) -> Reduced:
-        """Rates of only the velocities, where no coordinate occurs in them.
+        """Rates of the velocities only; no coordinate may occur in them.
 
         Raises
         ------
@@ -288,7 +288,7 @@ def equations_of_motion(
     Parameters
     ----------
     frame
-        any real frame, n forms.
+        any real frame, with n one-forms.
     lagrangian
         expression or text in the coordinates, u1 ... un, t and parameters.
     forces
@@ -296,17 +296,15 @@ def equations_of_motion(
     principle
         "closed_in_coordinates" (Hamilton, Poincare), "closed_in_image" (Kleinert) or "naive".
         Where L depends on q, closed_in_image takes dq^mu = E_i^mu dPhi^i, as Kleinert and Pelster
-        do (gr-qc/9605028): a gap at the end of the path would make the equations depend on the
-        future.
+        do (gr-qc/9605028); with a gap at the end the equations would depend on the future.
     constraints
         expressions a_i(q) u^i + c(q, t) that stay zero (rolling, knife edge, driven wheels). The
-        frame is adapted to them; each takes away one velocity, if possible the last whose
-        coefficient is constant.
+        frame is adapted to them; each removes a velocity, the last of constant coefficient if any.
     parameters
-        names or symbols that may occur besides. In sympy expressions all other symbols are
+        further names or symbols that may occur. In sympy expressions all other symbols are
         parameters unless a list is given; a text may use only known and listed names.
     connection
-        whose torsion the image has for closed_in_image; the Cartan connection of the frame.
+        for closed_in_image: its torsion is the torsion of the image; None: the Cartan connection.
 
     Raises
     ------
@@ -317,9 +315,9 @@ def equations_of_motion(
     ConstraintError
         A constraint is not linear in u, or follows from the others.
     ShapeError
-        Not as many forces as forms.
+        The number of forces differs from the number of forms.
     UnknownNameError
-        No such principle; the nearest is named.
+        There is no such principle; the message names the nearest.
 
     Examples
     --------
@@ -367,16 +365,18 @@ def conserved_quantities(
     parameters: Iterable[sp.Symbol | str] | None = None,
     connection: ConnectionLike | None = None,
 ) -> ConservedQuantities:
-    """Name -> f(q, u, t) that the motion keeps: the `invariants` of its equations.
+    """Conserved quantities f(q, u, t) by name: the `invariants` of the equations of motion.
 
-    The search covers a stated ansatz: the energy; momenta p_k xi^k of coordinates, of legs, of
-    right-invariant fields on a Lie group, and of all fields xi = sum c f(q) E_k with constant c
-    and a few functions f (products of 1, x, cos(x), sin(x) as they fit the coordinates, or 1 and
-    the coordinates where there would be too many), or xi = sum c f(q) d_mu with polynomials f of
-    degree 2; Casimirs; and sums of c f(q) p_k p_l for the
-    terms f of which the coframe is made, such as Carter's constant. `ansatz` of the result, which
-    is printed with it, lists the functions. All rational combinations within the ansatz are found,
-    and the derivative of each along the motion is exactly zero. Others may exist.
+    The search covers this ansatz, which `ansatz` of the result lists in detail:
+
+    - the energy, and Casimirs;
+    - momenta p_k xi^k of coordinates, of legs and of right-invariant fields on a Lie group;
+    - momenta of fields xi = sum c f(q) E_k with constants c and functions f from products of 1, x,
+      cos(x), sin(x), as they fit each coordinate x; only 1 and x where there would be too many;
+    - momenta of fields xi = sum c f(q) d_mu with polynomials f of degree 2;
+    - sums of c f(q) p_k p_l with terms f of the coframe, such as Carter's constant.
+
+    All rational combinations in it are found; each is exactly conserved. Others may exist.
 
     Parameters
     ----------

@@ -57,8 +57,8 @@ def linearized(
         over parameters. Velocities that constraints fix follow from the others, which are 0 where
         they are not named. Parameters without a value stay symbols.
     velocities
-        the velocities that count as independent under constraints, as many as are left; by default
-        constraints take away the last ones that they determine.
+        the velocities that are independent under constraints; by default the constraints remove the
+        last velocities that they determine.
 
     Raises
     ------

@@ -65,7 +65,7 @@ class Linearization:
     def eigenvalues(self) -> np.ndarray:
         """Complex roots of the characteristic polynomial, the fastest growing first.
 
-        Zeros are exact and keep their number; others are rounded once.
+        Zero is exact and has its multiplicity; other roots are rounded once.
 
         Raises
         ------

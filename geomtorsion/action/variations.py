@@ -33,7 +33,8 @@ class Variation:
 
     frame: the frame of the velocities u^i = e^i_mu q'^mu.
     principle: which variations have fixed ends.
-    connection: whose torsion the image has, or None for the Cartan connection of the frame.
+    connection: the connection whose torsion the image has; None: the Cartan connection of the
+        frame.
     """
 
     frame: Frame
@@ -42,22 +43,22 @@ class Variation:
 
     @property
     def velocities(self) -> tuple[sp.Symbol, ...]:
-        """u^i."""
+        """The quasi-velocities u^i, as symbols."""
         return symbols_of(self.frame).velocities
 
     @cached_property
     def images(self) -> tuple[sp.Symbol, ...]:
-        """dPhi^i, the variation read off in the frame."""
+        """The variation in the frame, dPhi^i, as symbols."""
         return self._numbered(_IMAGES)
 
     @cached_property
     def image_rates(self) -> tuple[sp.Symbol, ...]:
-        """d/dt dPhi^i."""
+        """The rates d/dt dPhi^i, as symbols."""
         return self._numbered(tuple(f"{form}dot" for form in _IMAGES))
 
     @cached_property
     def gaps(self) -> tuple[sp.Symbol, ...]:
-        """b^i: by how much e^i_mu dq^mu misses dPhi^i."""
+        """The gaps b^i, as symbols: e^i_mu dq^mu = dPhi^i + b^i where the image closes."""
         return self._numbered(("b{}", "gap{}"))
 
     def _numbered(self, forms: Sequence[str]) -> tuple[sp.Symbol, ...]:
@@ -74,7 +75,7 @@ class Variation:
 
     @cached_property
     def changes(self) -> tuple[sp.Expr, ...]:
-        """Change delta-bar u^i of each velocity."""
+        """Variation delta-bar u^i of each velocity."""
         terms = _bilinear(self.coefficients, self.velocities, self.images)
         return tuple(rate + term for rate, term in zip(self.image_rates, terms, strict=True))
 
@@ -89,7 +90,7 @@ class Variation:
 
     @cached_property
     def gap_rates(self) -> tuple[sp.Expr, ...]:
-        """d/dt b^i, with b^i = 0 at the start: b^i is the gap of a variation that should close.
+        """Rates d/dt b^i of the gaps, with b^i = 0 at the start.
 
         closed_in_coordinates: zero. closed_in_image: - T_kj^i u^j dPhi^k - C_kj^i u^j b^k; at the
         end b is a Burgers vector. naive: the same, but b is ignored; its dq^mu are not a variation
@@ -164,10 +165,10 @@ class Variation:
 
     @cached_property
     def proved(self) -> bool | None:
-        """Whether these changes follow from the changes of the path, by exact zero.
+        """Whether `changes` follow from a variation of the path, decided by exact zero.
 
-        delta (e^i_mu q'^mu) and d/dt (e^i_mu dq^mu) are computed by the chain rule and put
-        together with the gap. False for the naive variation over an anholonomic frame.
+        delta (e^i_mu q'^mu) and d/dt (e^i_mu dq^mu) are computed by the chain rule and compared,
+        with the gap added. False for the naive variation over an anholonomic frame.
         """
         verdicts = [value.is_zero for value in self._defects()]
         if False in verdicts:
@@ -267,12 +268,13 @@ def variation(
     principle
         "closed_in_coordinates" (Hamilton, Poincare), "closed_in_image" (Kleinert) or "naive".
     connection
-        for closed_in_image: whose torsion the image has; the Cartan connection of the frame.
+        for closed_in_image: the connection whose torsion the image has; None: the Cartan connection
+        of the frame.
 
     Raises
     ------
     UnknownNameError
-        No such principle; the nearest is named.
+        There is no such principle; the message names the nearest.
     ShapeError
         The connection belongs to another frame.
 

@@ -34,28 +34,27 @@ def numpy_function(
         the arguments in order: sympy symbols, or unknown functions such as f(r).
     check
         raise where a value is inaccurate or not finite; False: return values unchecked, and NaN
-        where a root does not have the sign with which it was read.
+        where a root has another sign than the sign with which it was read.
 
     Returns
     -------
     Function of len(symbols) numbers or arrays of one shape; it returns an array of shape
-    (k, *shape).  Its source is kept in the attribute `source`.  Values are right to 1e-12 of
-    themselves: where rounding may leave fewer digits, as beside a removable singularity or a zero,
-    they are computed with as many more as needed.
+    (k, *shape).  Its source is kept in the attribute `source`.  Values have a relative error below
+    1e-12: where rounding may leave fewer digits, as near a removable singularity or a zero, they
+    are computed with more digits.
 
     Raises
     ------
     MissingValueError
         an element contains a symbol that is not among the arguments.
     ArgumentError
-        (also from the function) a symbol comes twice; an argument is neither a real number nor an
-        array of them, or, if values are to be right, not finite.
+        (also from the function) a symbol occurs twice; an argument is neither a real number nor an
+        array of real numbers, or, with `check`, is not finite.
     BranchError
-        (from the function) a root does not have the sign with which it was read, see
-        `Frame.branches`.
+        (from the function) a root has another sign than it was read with, see `Frame.branches`.
     SingularPointError
-        (from the function) a value is not finite, or no number of digits separates it from
-        rounding; the message names element and point.
+        (from the function) a value is not finite, or is lost in rounding errors with any number of
+        digits; the message names element and point.
 
     Examples
     --------

@@ -75,7 +75,7 @@ def _long(value: Exact) -> mpmath.mpf:
 
 
 def rational(value: Any) -> Fraction | None:
-    """A number as a fraction if it is rational, as every float is; else None.
+    """A number as an exact fraction, also for floats of any length; None for other numbers.
 
     Examples
     --------

@@ -67,10 +67,11 @@ def graph(
     outputs
         k of them; elements of several fields, sympy expressions and sums of products may mix.
     constants
-        arguments that stay constant while the others vary: expressions of only these are computed
-        once, and products with them cost little.
+        the arguments that stay constant while others change: terms of constants are computed once,
+        and products with them cost little.
     factor
-        whether common factors of terms are extracted. Very long sums stay unchanged.
+        whether common factors of terms are pulled out. Sums that are too long for this stay
+        unchanged.
 
     Raises
     ------
@@ -209,7 +210,7 @@ class Graph:
         """A function of numbers or arrays of one shape; it returns an array (size, *shape).
 
         real: the type of numbers in which it works, where values are real.
-        Nothing warns: where there is no value it is infinite or not a number.
+        Where there is no value, the result is infinite or NaN, without a warning.
 
         Examples
         --------
@@ -308,7 +309,7 @@ class Graph:
     def with_factors(
         self, arguments: Mapping[str, str], outputs: Sequence[str], more: Sequence[str]
     ) -> Graph:
-        """The graph with a factor for each argument and output, as further constant arguments.
+        """The graph with constant factors of arguments and outputs, which are further arguments.
 
         arguments: name of an argument -> name of its factor; outputs: names of factors, one for
         each output, or none; more: names of all factors in order.
@@ -339,7 +340,7 @@ class Graph:
         return Graph((*self.arguments, *more), *builder.needed(signed), self.is_complex)
 
     def hoisted(self, first: int, name: str) -> tuple[Graph, Graph]:
-        """The graph with its constant parts as arguments, and the graph that computes these.
+        """The graph over constants that are computed once, and the graph that computes them.
 
         first: position of the first constant argument; all after it are also constant, and are
         the arguments of the second graph; name: of the new arguments, which are numbered.

@@ -218,7 +218,7 @@ _ARRAYS: dict[str, Any] = {
 def compiled(
     source: str, numbers: Literal["floats", "arrays"], name: str = "values"
 ) -> Callable[..., Any]:
-    """A function of source text that this package has written, by its name there.
+    """Compile a function from source text that this package has written, by its name there.
 
     numbers: type of its arguments; floats go to functions of the math module, not of numpy.
 

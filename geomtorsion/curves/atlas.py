@@ -167,9 +167,9 @@ class Chart:
 
     @cached_property
     def groups(self) -> tuple[tuple[int, ...], ...]:
-        """Coordinates that are measured together: all, but time, which grows without bound.
+        """Groups of coordinates with a common size in error estimates: all except time.
 
-        Time corresponds to the one leg whose square has the other sign.
+        Time grows without bound. It belongs to the only leg whose square has the other sign.
         """
         places = tuple(range(len(self.coordinates)))
         if self.frame is None:
@@ -259,7 +259,7 @@ class Chart:
     def edge_distances(
         self, point: Mapping[str, Real | np.ndarray], changes: np.ndarray
     ) -> tuple[np.ndarray, np.ndarray]:
-        """All edges at many points, and how far changes of coordinates, shape (n,), move them."""
+        """Values of all edges at many points, and how changes of coordinates, (n,), change them."""
         values, count = self._edges_with_slopes.values(point), len(self.edges)
         reach = np.zeros((count, *values.shape[1:]))
         for (k, mu), slope in zip(self._edge_slopes.entries, np.abs(values[count:]), strict=True):
@@ -469,8 +469,8 @@ class Atlas:
     makers: name -> function without arguments that makes the chart.
     changes: function without arguments that makes the maps.
     order: charts by preference; the first in which a law can be stated is used to start.
-    origin: a function and a frame of which it makes this atlas, but for the order; copies are made
-        so. Without it they hold every chart.
+    origin: a function and the frame from which it makes this atlas, except its order; copies and
+        pickles use it. Without it they contain every chart.
     """
 
     home: str
@@ -508,7 +508,7 @@ class Atlas:
 
     @cached_property
     def checked_for(self) -> set[Frame]:
-        """Frames for which the maps were found right; see `check_atlas`."""
+        """Frames for which the maps were verified; see `check_atlas`."""
         return set()
 
     @cached_property
@@ -562,7 +562,7 @@ class Atlas:
         )
 
     def angles(self, sources: Iterable[str], target: str) -> list[int]:
-        """Coordinates of a chart that the maps from some others give up to whole turns."""
+        """Coordinates of the target that maps from the source charts give up to full turns."""
         routes = [self.route(source, target) for source in sources]
         return sorted({k for route in routes if route for k in route[-1].angles})
 
@@ -626,12 +626,12 @@ class Atlas:
         *,
         starting: bool = False,
     ) -> str | None:
-        """The first of some charts far from its edge, or else the furthest from its edge.
+        """The first chart in which the point is far from the edge, or else where it is furthest.
 
         A chart is skipped if the motion is much faster in it than in another chart far from its
         edge: behind a horizon, ingoing coordinates run away from outgoing motions, and outgoing
-        ones from infalling motions. A motion that starts in the first chart, far from its edge,
-        stays there: other charts are not made.
+        ones from infalling motions. If a motion starts in the first chart, far from its edge, the
+        other charts are not made.
         """
         numbers = {key: float(value) for key, value in parameters.items()}
 

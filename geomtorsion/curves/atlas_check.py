@@ -36,7 +36,7 @@ def check_atlas(frame: Frame, atlas: Atlas, points: int = 3) -> int:
         where its charts claim to keep it) back, does not lead back, or has no value at any point
         tried.
     ShapeError
-        a map has not one expression for each coordinate of its target.
+        a map does not have one expression for each coordinate of its target.
 
     Examples
     --------

@@ -147,7 +147,8 @@ class Shadow:
         pixels
             rays along each side.
         field
-            angle that the image is wide, in radians below pi; None: half as wide again as the edge.
+            width of the image as an angle, in radians below pi; None: 1.5 times the width of the
+            edge.
         accuracy
             of each ray, as in `solve_many`.
 
@@ -262,7 +263,7 @@ def shadow(
     engine: Engine | None = None,
     executor: Executor | None = None,
 ) -> Shadow:
-    """Shadow in the light that reaches a camera, for any orthonormal tetrad.
+    """Shadow of a black hole, or of any region that captures light, in an orthonormal tetrad.
 
     The legs of the tetrad carry the camera: a direction n in the spatial legs is a pixel, and its
     ray is followed back with the frame velocity u = (-1, n) until it is captured or escapes.
@@ -303,7 +304,7 @@ def shadow(
     StartError
         the camera is not in the domain, or there is no edge of the domain and no `dark`, `sky`.
     ShapeError
-        a direction has not three components, or vanishes.
+        a direction does not have three components, or vanishes.
 
     Examples
     --------

@@ -61,7 +61,7 @@ def autoparallel(
     force: arguments.Forces | None = None,
     potential: arguments.Entry | None = None,
 ) -> CurveProblem:
-    """Straightest line: its velocity is transported parallel along itself.
+    """Autoparallel, or straightest line: its velocity is parallel-transported along itself.
 
     Equation
     --------
@@ -83,13 +83,14 @@ def autoparallel(
     causal
         "timelike", "null" or "spacelike", if that is to be checked.
     atlas
-        charts of the space; those that came with the frame if not given. Given ones are checked:
-        maps must pull the metric (and the frame, where charts keep it) back and lead back.
+        charts of the space; None: the charts that the frame has. A given atlas is checked: its maps
+        must be inverse to each other and pull back the metric (and the frame, where charts keep
+        it).
     stop
         an expression over coordinates, frame velocities u1, u2, ... and parameters (text, sympy or
-        `When`), or a list of them: the curve ends where one falls through zero, and
-        `Solution.stopped_by` is that one. The curve is followed in charts whose maps give what
-        occurs in it without jumps.
+        `When`), or a list of them: the curve ends where one of them falls through zero, and
+        `Solution.stopped_by` names it. The curve is followed only in charts whose maps give the
+        terms of the expression without jumps.
     force
         F_k in the frame, n functions (expressions or text) of the coordinates, of the velocities
         u1, u2, ... along the legs (u^i = e^i_mu q'^mu; in Cartesian coordinates u1 = x'), of the
@@ -97,12 +98,12 @@ def autoparallel(
         ["B*u2", "-B*u1"], ["cos(w*t)", 0]. F_k u^k is the power where g(v, v)/2 is the kinetic
         energy. Zero if not given. Under constraints only the parts along the permitted legs act.
         Several forces have names: {"push": [...], "drag": [...]}. Where t is a coordinate, the
-        curve parameter is tau. A name that is used in no frame is a parameter if `parameters` has
-        its value.
+        curve parameter is tau. A name that the frame does not have is a parameter if `parameters`
+        has its value.
     potential
         V, a function of the coordinates, t and parameters, which adds F_k = -E_k^mu dV/dq^mu;
-        several have names: {"sun": "-1/r", "flattening": "J/r**3"}. Forces and potentials in
-        pieces or from tables are solved by `to_ode` of the curve.
+        several have names: {"sun": "-1/r", "flattening": "J/r**3"}. Piecewise forces and
+        potentials, and tables, need `CurveProblem.to_ode`.
 
     Raises
     ------
@@ -112,11 +113,11 @@ def autoparallel(
     ExpressionError
         `stop` cannot be read.
     ShapeError
-        a list has not one number per coordinate.
+        a list does not have one number per coordinate.
     ArgumentError
         two forces have one name.
     CoordinateError
-        a map of the given atlas is wrong, or a value contradicts the declaration of a parameter.
+        a map of the atlas is wrong, or a value contradicts the declaration of a parameter.
 
     Examples
     --------
@@ -129,7 +130,7 @@ def autoparallel(
     u1' = 0
     u2' = 0
 
-    Where it is three times as far from the origin:
+    The same curve up to r = 3:
 
     >>> from geomtorsion.ode import solve
     >>> p = autoparallel(cartan(load("flat_polar").frame), [1.0, 0.0], [1.0, 0.5], stop="3 - r")
@@ -168,7 +169,7 @@ def geodesic(
     force: arguments.Forces | None = None,
     potential: arguments.Entry | None = None,
 ) -> CurveProblem:
-    """A shortest line for the metric of the frame, or for a kinetic metric G_ij e^i e^j.
+    """Geodesic of the metric of the frame, or of a kinetic metric G_ij e^i e^j.
 
     Equation
     --------
@@ -219,7 +220,7 @@ def geodesic(
 def parallel_transport(
     problem: CurveProblem, vectors: Any, connection: ConnectionLike | None = None
 ) -> CurveProblem:
-    """The same motion with vectors that are transported parallel along it.
+    """A curve together with vectors that are parallel-transported along it.
 
     Equation
     --------
@@ -228,7 +229,7 @@ def parallel_transport(
     Parameters
     ----------
     problem
-        the motion along which to carry.
+        the curve along which the vectors are transported.
     vectors
         frame components w^k at the start: shape (n,) or (number, n).
     connection
@@ -261,7 +262,7 @@ def parallel_transport(
 def geodesic_deviation(
     problem: CurveProblem, offset: Numbers, rate: Numbers | None = None
 ) -> CurveProblem:
-    """The same motion with the deviation from a neighbouring motion.
+    """A curve together with the deviation vector to a neighbouring curve.
 
     Parameters
     ----------

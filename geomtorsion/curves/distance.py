@@ -34,8 +34,8 @@ def distance_apart(
     chart
         chart in whose coordinates to measure; the chart of the problem if not given.
     angles
-        names of its coordinates that count modulo 2 pi; None: those that the space declares, by a
-        map into the chart or by a domain of one turn over which the frame repeats itself.
+        names of its coordinates that count modulo 2 pi; None: the angles that the space declares,
+        by a map into the chart or by a domain of one turn over which the frame repeats itself.
 
     Returns
     -------

@@ -71,7 +71,7 @@ def holonomy(
     accuracy: float = 1e-10,
     engine: Engine | None = None,
 ) -> np.ndarray:
-    """The matrix by which parallel transport along a path turns the frame.
+    """Holonomy of a path: the matrix of parallel transport, in frame components.
 
     Parameters
     ----------

@@ -260,7 +260,7 @@ def forced(
     Raises
     ------
     ShapeError
-        A force has not one component for each leg.
+        A force does not have one component for each leg.
     ExpressionError
         A name in it is unknown, or a potential depends on a velocity.
     ArgumentError

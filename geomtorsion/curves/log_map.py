@@ -65,15 +65,15 @@ def log_map(
 ) -> LogMap:
     """The motion from one point to another in unit time: the inverse of the exponential map.
 
-    Without a guess, the answer is the shortest of the motions found in two ways. First, the end is
-    moved from the start to its place along straight lines in coordinates, one for each image of the
-    end under full turns of periodic coordinates, and the motion follows it. Second, a fan of
-    motions of the length found so far leaves the start, and Newton's iteration continues from the
-    points nearest to the end. `guarantee` states among how many motions the answer is the
-    shortest. It is the shortest of all where the frame is constant. In general this cannot be
-    proved from finitely many motions, but a geodesic with a conjugate point before its end, which
-    is never the shortest, is refused. Where two motions have the least length, the end is on the
-    cut locus, and an error reports both.
+    Without a guess, the answer is the shortest of the motions found in two ways. First, by
+    continuation: the end moves from the start to its position along a straight line in coordinates,
+    and the motion follows it; there is one line for each image of the end under full turns of
+    periodic coordinates. Second, a fan of motions of the length found so far leaves the start, and
+    Newton's iteration continues from the points nearest to the end. `guarantee` states among how
+    many motions the answer is the shortest. It is the shortest of all where the frame is constant.
+    In general this cannot be proved from finitely many motions, but a geodesic with a conjugate
+    point before its end, which is never the shortest, is refused. Where two motions have the least
+    length, the end is on the cut locus, and an error reports both.
 
     Lengths and misses are measured with eta in the frame, so units of coordinates do not matter.
     With an indefinite metric no motion is the shortest: the answer has the least frame velocity,
@@ -95,7 +95,7 @@ def log_map(
     Raises
     ------
     EndpointError
-        no motion was found; or several equally short ones; or the end is conjugate to the start; or
+        no motion was found, or several of equal length; or the end is conjugate to the start; or
         every motion found passes a conjugate point.
 
     Examples

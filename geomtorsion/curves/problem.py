@@ -145,8 +145,8 @@ class CurveProblem(ByContent):
         The states are the coordinates and the frame velocities u^i, or coordinates only if the
         velocities are constant. The conditions of `stop` end it, and so do edges of the chart.
 
-        events, tables: see `ODE.of`; the names of tables are functions in the forces. time: its
-        name; by default the one that the forces use.
+        events, tables: see `ODE.of`; the names of tables are functions in the forces. time: the
+        name of the curve parameter; by default the name that the forces use.
 
         Raises
         ------
@@ -221,7 +221,7 @@ class CurveProblem(ByContent):
     def time_unit(self) -> float:
         """A power of two near the largest frame velocity: time is measured in its inverse.
 
-        With a force the path depends on the speed, and time is measured as it is.
+        With a force the path depends on the speed, and the unit is one.
         """
         # Types do not take a cached property for the property of `Problem`.
         return self._time_unit
@@ -450,7 +450,7 @@ class CurveProblem(ByContent):
     # -- for the solver --------------------------------------------------------------------------
 
     def check_start(self) -> None:
-        """Refuse forces in pieces, a start beyond an edge, and find the first chart."""
+        """Refuse piecewise forces and a start beyond an edge, and find the first chart."""
         self._check_values()
         if self.start is None:
             self._check_stops({})
@@ -485,7 +485,7 @@ class CurveProblem(ByContent):
         return tuple(stop.text for stop in self.stops)
 
     def first_stage(self, precision: int, perturbation: float) -> Stage:
-        """The motion from its start on; perturbation: the part by which this is changed."""
+        """The first part of the motion; perturbation: relative change of the start."""
         key = precision, perturbation
         if key not in self._stages:
             label, point = self._beginning(precision)
@@ -737,17 +737,17 @@ class CurveProblem(ByContent):
     def read_gaps(
         self, one: Trajectory, two: Trajectory, count: int, accuracy: float
     ) -> list[tuple[np.ndarray, float]]:
-        """Differences of coordinates and velocities at home at each sample, each with its size."""
+        """Differences of coordinates and velocities in the home chart, each with its size."""
         return readout.gaps(self, one, two, count, accuracy)
 
     def member_gaps(
         self, members: Members, one: Rows, two: Rows, accuracy: float
     ) -> list[tuple[np.ndarray, np.ndarray]]:
-        """Pairs of values read at home of two runs of members, each (number, m, n)."""
+        """Pairs of values of two runs of members in the home chart, each (number, m, n)."""
         return readout.member_gaps(self, members, one, two, accuracy)
 
     def together(self, name: str) -> tuple[str, ...]:
-        """Coordinates, velocities or carried components that are measured together with one."""
+        """Coordinates, velocities or carried components that share one size in error estimates."""
         equations = self.equations(self.atlas.home)
         if name in equations.velocities:
             return tuple(equations.velocities)
@@ -799,7 +799,7 @@ class CurveProblem(ByContent):
         return across, along
 
     def breaks(self) -> tuple[float, ...]:
-        """No times: nothing jumps."""
+        """Times of jumps: none."""
         return ()
 
     def columns(self, moment: Moment) -> dict[str, np.ndarray]:

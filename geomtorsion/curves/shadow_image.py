@@ -81,7 +81,7 @@ class ShadowImage:
     """Image that a camera takes of a shadow; rows from the top, columns from the left.
 
     rays: the equations of the rays, with the camera as start. time: which leg is timelike.
-    field: angle that the image is wide, in radians. accuracy: requested of each ray.
+    field: width of the image as an angle, in radians. accuracy: requested for each ray.
     fate: 1 where a ray is captured, 0 where it leads to the sky, -1 where it does not end, or its
         end depends on its error; shape (n, n).
     stopped_by: the condition at the end of each ray, as text, shape (n, n).
@@ -101,12 +101,12 @@ class ShadowImage:
 
     @property
     def dark(self) -> np.ndarray:
-        """Which pixels are captured, shape (n, n)."""
+        """Pixels whose ray is captured, shape (n, n)."""
         return self.fate == Fate.dark
 
     @property
     def undecided(self) -> np.ndarray:
-        """Which pixels have no end that is certain, shape (n, n)."""
+        """Pixels whose ray has no certain end, shape (n, n)."""
         return self.fate == Fate.undecided
 
     @cached_property
@@ -116,7 +116,7 @@ class ShadowImage:
 
     @property
     def half_turns(self) -> np.ndarray:
-        """Whole half turns of each ray by the first angle of the frame, shape (n, n)."""
+        """Complete half turns of each ray in the first angle of the frame, shape (n, n)."""
         return np.abs(self.turns) // 1
 
     @cached_property

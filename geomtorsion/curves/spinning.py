@@ -69,8 +69,8 @@ def spinning(
     -------
     ODE with the coordinates, p1, p2, ... (frame components, lower) and S12, S13, ... as states, and
     the velocity q'^mu as output; to be given to `solve`. Its effects, which `without` and
-    `gt.called_for` omit, are: spin_force, R S in D_u p; hidden_momentum, the part of p across u;
-    torsion, of an intrinsic spin.
+    `gt.called_for` omit, are: spin_force, R S in D_u p; hidden_momentum, the part of p that is not
+    along u; torsion, which acts on intrinsic spin.
 
     Raises
     ------

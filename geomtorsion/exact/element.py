@@ -1,4 +1,4 @@
-"""Elements: exact scalars in a form in which equal ones are identical, and how sure zero is."""
+"""Elements: exact scalars in a form in which equal ones are identical, with a certainty of zero."""
 
 from __future__ import annotations
 
@@ -38,7 +38,7 @@ T = TypeVar("T")
 
 @dataclass(frozen=True)
 class Certainty:
-    """How sure it is that an element vanishes or not.
+    """Certainty of the answer whether an element vanishes.
 
     proved: True if the answer is proved.
     error: otherwise an upper bound on the probability that the answer is wrong; 1 if unknown.
@@ -222,10 +222,10 @@ class Element(ABC):
     @property
     @abstractmethod
     def is_zero(self) -> bool | None:
-        """True or False, decided; None where an opaque function or constant leaves it open.
+        """Whether the element vanishes; None where an opaque function or constant leaves it open.
 
-        Opaque are functions of which some relations are known (erf, Bessel; see `special`),
-        constants such as atan(2), and odd roots of expressions with roots.
+        Functions are opaque if not all of their relations are known (erf, Bessel; see `special`);
+        so are constants such as atan(2), and odd roots of expressions with roots.
         """
 
     @property
@@ -258,7 +258,7 @@ class Element(ABC):
         return self._field.certainty(self)
 
     def as_fraction(self) -> Fraction:
-        """The rational number that the element is.
+        """The element as a rational number.
 
         Raises
         ------

@@ -122,7 +122,7 @@ def settled_value(
                         # Below all rounding of the largest precision, so that it counts as zero.
                         return value * 0
                     raise SingularPointError(
-                        f"the value drowns in cancellation even with {bits} bits; "
+                        f"the value is lost in cancellation even with {bits} bits; "
                         "move the point away from the edge of the chart"
                     )
         before, bits = value, 2 * bits

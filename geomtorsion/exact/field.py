@@ -209,8 +209,8 @@ class Field(Tower):
     complex
         whether the imaginary unit may occur.
     sample
-        values of symbols at a point inside the domain, for choosing branches of roots; or the
-        places where that point may be, the preferred one first.
+        values of symbols at a point inside the domain, for choosing branches of roots; or several
+        candidates for this point, the preferred one first.
     branches
         chosen values of roots, {root as sympy expression: sympy expression}; each is checked.
 
@@ -257,7 +257,7 @@ class Field(Tower):
 
     @property
     def exact(self) -> Field:
-        """The field itself: of truncated series it is the field of their coefficients."""
+        """The field itself; for truncated series, the field of their coefficients."""
         return self
 
     def with_symbol(self, symbol: sympy.Symbol, value: Value) -> Field:
@@ -296,7 +296,7 @@ class Field(Tower):
         self.symbols: tuple[sympy.Symbol, ...] = (*self.symbols, *symbols)
 
     def read(self, expr: sympy.Expr | Fraction | int, where: str = "expression") -> Element:
-        """Reads one sympy expression, int or Fraction.
+        """Read a sympy expression, int or Fraction.
 
         Raises
         ------
@@ -377,7 +377,7 @@ class Field(Tower):
         return Canonical(self, self.ctx.from_dict(flipped), element._den, self.level)
 
     def decide_zero(self, element: Element) -> bool | None:
-        """Whether an element vanishes that is kept, or whose generators may depend on others."""
+        """Whether a lazy element, or an element with generators that may be dependent, vanishes."""
         unsure = [] if self.all_sure else [g for g in self.generators_of(element) if not g.sure]
         if not unsure and not element.is_kept:
             return not element._num

@@ -142,7 +142,7 @@ class GenericPoint:
         Raises
         ------
         SingularPointError
-            the element is singular there, or its value drowns in cancellation.
+            the element is singular there, or its value is lost in cancellation.
         """
         compute = partial(values, element, self._value_of)
         # Zero is accepted at half of the bits that evaluation tries at most.

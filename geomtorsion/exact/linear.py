@@ -19,7 +19,7 @@ class Reduced:
     """Independent rows in reduced echelon form.
 
     rows: each has 1 in its own pivot column and 0 in the pivot columns of the others.
-    pivots: the pivot columns, rising.
+    pivots: the pivot columns, ascending.
     width: the number of entries of a row.
     field: the field of the entries.
 

@@ -5,8 +5,8 @@ cos and sin are on the circle, roots are roots. This is a homomorphism: zero is 
 an element with a nonzero image is not zero. An element that is not zero is mapped to zero with a
 probability of at most degree / prime (Schwartz 1980, Zippel 1979), which `chance` returns.
 
-Of the numbers modulo a prime one half have no square root.  In the field of p**2 numbers all of
-them have one: it is taken where many square roots would have to be there at once.
+Half of the numbers modulo a prime p have no square root. In the field of p**2 elements all of them
+have one: this field is used where many square roots are needed at once.
 """
 
 from __future__ import annotations

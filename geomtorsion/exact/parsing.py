@@ -46,8 +46,8 @@ def parse_expression(
 
     Numbers are exact; ``2 r sin(theta)`` is a product; ``**`` and ``^`` are powers; ``pi``, ``E``
     and ``I`` are the constants unless ``symbols`` redefines them; ``diff(f(r), r, 2)`` is a
-    derivative of an unknown function, and so are ``Derivative(f(r), (r, 2))`` and
-    ``Subs(Derivative(f(x), x), x, 2*r)``, sympy's own.
+    derivative of an unknown function, also in sympy's form: ``Derivative(f(r), (r, 2))`` and
+    ``Subs(Derivative(f(x), x), x, 2*r)``.
 
     Parameters
     ----------
@@ -63,15 +63,16 @@ def parse_expression(
     limits
         What the expression may cost; the defaults suit everything written by a person.
     decimals
-        Whether decimal numbers are read, as the fractions that they are written as: 0.1 is 1/10.
-        Otherwise they are refused.
+        Whether decimal numbers are read, as exact fractions: 0.1 is 1/10. Otherwise they are
+        refused.
     unknown
         What errors advise about an unknown name ({name} in the text); by default to declare it
         as a parameter.
     free
         Whether an unknown name is a new symbol instead of an error.
     undeclared
-        Whether an unknown name that is called is an unknown function beside ``functions`` also.
+        Whether an unknown name that is called is an unknown function even if ``functions`` is
+        given.
 
     Returns
     -------

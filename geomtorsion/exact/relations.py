@@ -49,7 +49,7 @@ class Echelon:
         return len(self.rows)
 
     def add(self, row: Sequence[Element]) -> bool:
-        """Add a row if it is independent of the rows so far; True if it was."""
+        """Add a row if it is independent of the rows so far; whether it was added."""
         return bool(self.extend([row]))
 
     def extend(self, rows: Iterable[Sequence[Element]]) -> list[list[Element]]:
@@ -98,7 +98,7 @@ def vanishing_sums(equations: Iterable[Sequence[Element]], width: int) -> list[l
     """Rational c with sum_k c_k equation[k] = 0 for all equations: a basis of these c.
 
     Each equation is brought over one denominator, and every monomial of its numerator gives one
-    linear equation. Elements that are not multiplied out are (see `Field.whole`).
+    linear equation. Lazy elements are multiplied out first (see `Field.whole`).
 
     Examples
     --------

@@ -29,7 +29,7 @@ _FREE = frozenset("symbol cos sin cosh sinh exp log primitive jet opaque".split(
 
 
 class Specialization:
-    """A map from elements of one field to elements over its parameters, sums to sums.
+    """A map from elements of a field to elements over its parameters; it keeps sums and products.
 
     Every generator that depends on a given symbol gets a rational number near its value at the
     generic point, or a root of such a number. The field contains all relations between
@@ -89,7 +89,7 @@ class Specialization:
 
     @property
     def rounded(self) -> dict[sympy.Symbol, sympy.Rational]:
-        """All symbols of the source at this place."""
+        """Values of all symbols of the field at this place."""
         numbers = {s: self._number(self._source.symbol(s)) for s in self._source.symbols}
         return {s: sympy.Rational(x.numerator, x.denominator) for s, x in numbers.items()}
 

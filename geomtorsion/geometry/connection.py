@@ -68,7 +68,7 @@ class Connection:
     name: its name in messages.
     kind: "cartan" or "levi-civita" where a shorter way to its curvature is known, "metric" where
         it is metric compatible by its construction, else "general".
-    maker: function that makes it from only the frame, or None; copies and pickles use it.
+    maker: function that makes the connection from its frame, or None; copies and pickles use it.
     allowed: numbers of the legs that constraints permit (see `constrained`); None: all legs.
 
     Examples
@@ -126,7 +126,7 @@ class Connection:
         >>> from geomtorsion.geometry import Frame, levi_civita
         >>> r, phi = sp.symbols("r phi", positive=True)
         >>> bar = levi_civita(Frame([r, phi], [[1, 0], [0, r]]))
-        >>> print(bar.table("rφ", where={2: "r"}))  # Gamma_ab^r alone
+        >>> print(bar.table("rφ", where={2: "r"}))  # only Gamma_ab^r
         Levi-Civita Gamma_bar_{ab}^{c}: 3 of 8 components do not vanish
           Gamma_bar_{φφ}^{r}  [1, 1, 0]  -r
         """
@@ -165,7 +165,7 @@ class Connection:
 
     @cached_property
     def nonmetricity(self) -> Tensor:
-        """Q_abc = D_a g_bc, slots ddd, symmetric in bc.
+        """Nonmetricity Q_abc = D_a g_bc, slots ddd, symmetric in bc.
 
         Coordinate slots; along the legs: `.in_frame()`.
         """
@@ -197,9 +197,10 @@ class Connection:
 
     @cached_property
     def contortion(self) -> Tensor:
-        """K_ab^c = S_ab^c - S_b^c_a + S^c_ab, slots ddu; Gamma - Gamma_bar for metric connections.
+        """Contortion K_ab^c = S_ab^c - S_b^c_a + S^c_ab, slots ddu.
 
-        Its lower form K_abc is antisymmetric in b and c.
+        For a metric connection it is Gamma_ab^c - Gamma_bar_ab^c. K_abc is
+        antisymmetric in b and c.
 
         Coordinate slots; along the legs: `.in_frame()`.
         """
@@ -220,7 +221,7 @@ class Connection:
 
     @cached_property
     def disformation(self) -> Tensor:
-        """L_ab^c with L_abc = -(Q_abc + Q_bac - Q_cab) / 2, slots ddu, symmetric in ab.
+        """Disformation L_ab^c, L_abc = -(Q_abc + Q_bac - Q_cab) / 2, slots ddu, symmetric in ab.
 
         Coordinate slots; along the legs: `.in_frame()`.
         """
@@ -235,7 +236,7 @@ class Connection:
 
     @cached_property
     def coframe_deviation(self) -> Tensor:
-        """W_ab^j = Gamma_ab^m e^j_m - d_a e^j_b, slots ddU: minus the derivative of the coframe.
+        """W_ab^j = Gamma_ab^m e^j_m - d_a e^j_b, slots ddU: minus D_a e^j_b of each form.
 
         A capital is a leg slot, a small letter a coordinate slot; along the legs: `.in_frame()`.
         """
@@ -244,7 +245,7 @@ class Connection:
 
     @cached_property
     def has_parallel_legs(self) -> bool | None:
-        """Whether all legs of the frame are parallel: then, and by that, it is flat."""
+        """Whether all legs of the frame are parallel, which makes the connection flat."""
         rows = parallel_rows(self.frame)
         return Tensor(self.frame, "ddU", self._deviation(rows.forms, rows.derivative)).is_zero
 
@@ -262,7 +263,7 @@ class Connection:
 
     @cached_property
     def spin_connection(self) -> Tensor:
-        """omega_ai^j = e^j_m D_a E_i^m, slots dDU; only the first index may change its basis.
+        """Spin connection omega_ai^j = e^j_m D_a E_i^m, slots dDU; only a may change its basis.
 
         A capital is a leg slot, a small letter a coordinate slot; along the legs: `.in_frame()`.
         """
@@ -280,7 +281,7 @@ class Connection:
         )
 
     def covariant_derivative(self, tensor: Tensor) -> Tensor:
-        """D_a of a tensor, its new lower coordinate index first.
+        """Covariant derivative D_a of a tensor; its index a, coordinate and down, comes first.
 
         Equation
         --------
@@ -290,7 +291,7 @@ class Connection:
         Raises
         ------
         TensorIndexError
-            The argument is not a tensor in all its indices (connection coefficients).
+            The argument is not a tensor, but for example connection coefficients.
 
         Examples
         --------
@@ -333,7 +334,7 @@ class Connection:
         return Tensor(frame, "d" + tensor.slots, rule, symmetry, f"D{tensor.symbol}", "")
 
     def divergence(self, tensor: Tensor, index: int = 0) -> Tensor:
-        """D_a t^{... a ...}: the derivative contracted with one index of a tensor.
+        """Divergence D_a t^{... a ...}: the derivative contracted with one index of a tensor.
 
         Examples
         --------
@@ -354,7 +355,7 @@ class Connection:
         return contract(f"a{summed}->{rest}", derivative)
 
     def laplacian(self, tensor: Tensor) -> Tensor:
-        """g^{ab} D_a D_b of a tensor, slots as given; for a scalar the Laplace-Beltrami operator.
+        """Laplacian g^{ab} D_a D_b of a tensor, of the same slots; Laplace-Beltrami for scalars.
 
         With a Lorentzian metric this is the d'Alembertian. It is the rough Laplacian: curvature
         terms, as in the Laplacian of Hodge, are not added.
@@ -389,7 +390,7 @@ class Connection:
     # -- forms -----------------------------------------------------------------------------------
 
     def torsion_form(self, *index: int) -> Form:
-        """T^k = d e^k + omega_i^k ^ e^i; for all legs, or for one leg k.
+        """Torsion two-form T^k = d e^k + omega_i^k ^ e^i, of all legs or of leg k.
 
         Examples
         --------
@@ -405,7 +406,7 @@ class Connection:
         return torsion_form(self).part(*index) if index else torsion_form(self)
 
     def curvature_form(self, *index: int) -> Form:
-        """R_i^j = d omega_i^j + omega_k^j ^ omega_i^k, for all legs or for two legs i, j.
+        """Curvature two-form R_i^j = d omega_i^j + omega_k^j ^ omega_i^k, of all legs or of i, j.
 
         Examples
         --------
@@ -422,7 +423,7 @@ class Connection:
         return curvature_form(self).part(*index) if index else curvature_form(self)
 
     def connection_form(self, *index: int) -> Form:
-        """omega_i^j = omega_ai^j dq^a, for all legs or for two legs i, j.
+        """Connection one-form omega_i^j = omega_ai^j dq^a, of all legs or of legs i, j.
 
         Examples
         --------
@@ -461,11 +462,11 @@ class Connection:
 
     @cached_property
     def volume(self) -> integrability.ParallelVolume:
-        """The volume f sqrt|g| that is parallel, or the component that prevents it, exactly.
+        """Parallel volume f sqrt|g|, or the component that rules it out; decided exactly.
 
         D_a (f sqrt|g|) = 0 for d_a log f = Gamma_ab^b - d_a log sqrt|g|. A metric connection keeps
-        sqrt|g|. Integrate D_a w^a by parts with the volume of `transposed` (Saa 1993): for a metric
-        connection with torsion vector 3 d_a Theta it is exp(-3 Theta) sqrt|g| (Fiziev 1998).
+        sqrt|g|. Integration of D_a w^a by parts needs the volume of `transposed` (Saa 1993). For a
+        metric connection with torsion vector 3 d_a Theta it is exp(-3 Theta) sqrt|g| (Fiziev 1998).
         """
         return integrability.parallel_volume(self.coefficients, self.kind != "general")
 
@@ -519,10 +520,10 @@ class Connection:
 
     @cached_property
     def integrable(self) -> integrability.Integrability:
-        """Whether the permitted velocities belong to surfaces: the constraints are holonomic.
+        """Whether the constraints are holonomic: the permitted velocities are tangent to surfaces.
 
-        They are exactly where the torsion components along the forbidden legs vanish (Frobenius);
-        see `constrained`. Without constraints the answer is yes.
+        They are holonomic exactly if the torsion components along the forbidden legs vanish
+        (Frobenius); see `constrained`. Without constraints the answer is yes.
         """
         legs = range(self.frame.dimension) if self.allowed is None else self.allowed
         return integrability.integrability(self.torsion.T, legs)
@@ -567,7 +568,7 @@ class Connection:
 
     @property
     def assumption(self) -> str:
-        """The region that was assumed, where the coefficients or the permitted legs depend on it.
+        """Remark on the assumed region, if the coefficients or the permitted legs depend on it.
 
         Examples
         --------

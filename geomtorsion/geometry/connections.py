@@ -156,8 +156,8 @@ def _cartan(frame: Frame) -> Connection:
 def levi_civita(frame: FrameLike | Connection) -> Connection:
     """The torsion-free connection of the metric of the frame.
 
-    A space, its name or a connection contributes its frame: the contortion of a connection is its
-    difference to this one.
+    A space, its name or a connection contributes its frame. The contortion of a metric connection
+    is its difference from this one.
 
     Equation
     --------
@@ -181,7 +181,7 @@ def _levi_civita(frame: Frame) -> Connection:
 
 
 def from_coefficients(frame: FrameLike, coefficients: arguments.Cube) -> Connection:
-    """Connection from any coefficients Gamma_ab^c: torsion, curvature and nonmetricity at once.
+    """Connection with any coefficients Gamma_ab^c; it may have torsion and nonmetricity.
 
     Parameters
     ----------
@@ -191,7 +191,7 @@ def from_coefficients(frame: FrameLike, coefficients: arguments.Cube) -> Connect
     Raises
     ------
     ShapeError
-        The array has not one entry per index.
+        The array does not have the shape (n, n, n).
 
     Examples
     --------
@@ -311,7 +311,7 @@ def from_contortion(frame: FrameLike, contortion: arguments.Cube) -> Connection:
 
 
 def from_torsion(frame: FrameLike, torsion: arguments.Cube | Torsion) -> Connection:
-    """The one metric connection that has a given torsion S_ab^c = (Gamma_ab^c - Gamma_ba^c)/2.
+    """The only metric connection with the torsion S_ab^c = (Gamma_ab^c - Gamma_ba^c)/2.
 
     Equation
     --------
@@ -357,7 +357,7 @@ def from_torsion(frame: FrameLike, torsion: arguments.Cube | Torsion) -> Connect
 def from_nonmetricity(
     frame: FrameLike, nonmetricity: arguments.Cube, torsion: arguments.Cube | Torsion | None = None
 ) -> Connection:
-    """The one connection that has a given nonmetricity Q_abc = D_a g_bc and a given torsion.
+    """The only connection with the nonmetricity Q_abc = D_a g_bc and a given torsion.
 
     Equation
     --------
@@ -410,7 +410,7 @@ def from_nonmetricity(
 
 
 def blend(first: ConnectionLike, second: ConnectionLike, share: Scalar = HALF) -> Connection:
-    """(1 - share) first + share second: the Cartan-Schouten family between two connections.
+    """Connection (1 - share) first + share second: the Cartan-Schouten family of two connections.
 
     Parameters
     ----------

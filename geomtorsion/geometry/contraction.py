@@ -27,7 +27,7 @@ def contract(letters: str, *tensors: Tensor) -> Tensor:
     ----------
     letters
         Letters of each tensor, separated by commas, then "->" and the letters of the result;
-        without these the letters that occur once, in the order of the alphabet.
+        without it the result has the letters that occur once, in alphabetical order.
     tensors
         Tensors over one frame, as many as there are groups of letters.
 

@@ -77,7 +77,7 @@ class Curvature:
 
     @cached_property
     def riemann(self) -> Tensor:
-        """R_mnl^k, slots dddu.
+        """Riemann tensor R_mnl^k, slots dddu.
 
         R_mnl^k = d_m G_nl^k - d_n G_ml^k - G_ml^t G_nt^k + G_nl^t G_mt^k
 
@@ -113,7 +113,7 @@ class Curvature:
 
     @cached_property
     def lower(self) -> Tensor:
-        """R_mnlk, slots dddd.
+        """Riemann tensor with all indices down, R_mnlk, slots dddd.
 
         Coordinate slots; along the legs: `.in_frame()`.
         """
@@ -123,7 +123,7 @@ class Curvature:
 
     @cached_property
     def ricci(self) -> Tensor:
-        """R_nl = R_mnl^m, slots dd: positive for spheres.
+        """Ricci tensor R_nl = R_mnl^m, slots dd: positive for spheres.
 
         Coordinate slots; along the legs: `.in_frame()`.
         """
@@ -146,7 +146,7 @@ class Curvature:
 
     @cached_property
     def scalar(self) -> Tensor:
-        """g^{nl} R_nl, rank 0; for the metric of a dense frame from its anholonomy."""
+        """Curvature scalar g^{nl} R_nl, rank 0."""
         frame = self.connection.frame
 
         def rule() -> Element:
@@ -159,7 +159,7 @@ class Curvature:
 
     @cached_property
     def einstein(self) -> Tensor:
-        """R_nl - g_nl R / 2, slots dd.
+        """Einstein tensor R_nl - g_nl R / 2, slots dd.
 
         Coordinate slots; along the legs: `.in_frame()`.
         """
@@ -174,7 +174,7 @@ class Curvature:
 
     @cached_property
     def weyl(self) -> Tensor:
-        """Trace-free part of R_mnlk, slots dddd (zero below three dimensions).
+        """Weyl tensor: trace-free part of R_mnlk, slots dddd (zero below three dimensions).
 
         C_mnlk = R_mnlk - (g_mk R_nl - g_nk R_ml - g_ml R_nk + g_nl R_mk) / (n - 2)
                  + R (g_mk g_nl - g_nk g_ml) / ((n - 1) (n - 2))
@@ -208,7 +208,7 @@ class Curvature:
 
     @cached_property
     def schouten(self) -> Tensor:
-        """P_ab = (R_ab - R g_ab / (2 (n - 1))) / (n - 2), slots dd; three dimensions or more.
+        """Schouten tensor P_ab = (R_ab - R g_ab / (2 (n - 1))) / (n - 2), slots dd, for n >= 3.
 
         Coordinate slots; along the legs: `.in_frame()`.
         """
@@ -229,7 +229,7 @@ class Curvature:
 
     @cached_property
     def cotton(self) -> Tensor:
-        """C_abc = D_a P_bc - D_b P_ac, slots ddd, P the Schouten tensor; 0 if conformally flat.
+        """Cotton tensor C_abc = D_a P_bc - D_b P_ac, slots ddd, with the Schouten tensor P.
 
         In three dimensions it vanishes exactly where the metric is conformally flat. Above three
         D_k C_abc^k of the Weyl tensor is (n - 3) C_abc.
@@ -249,8 +249,8 @@ class Curvature:
     def parts(self) -> Mapping[str, Tensor]:
         """Irreducible parts of R_mnlk, slots dddd; they add up to `lower`.
 
-        weyl, paircom, pseudoscalar, ricci, antiricci, scalar; and strain, R_mn(lk), where the
-        connection is not metric.
+        Names: weyl, paircom, pseudoscalar, ricci, antiricci, scalar. A connection that is not
+        metric also has strain, R_mn(lk).
 
         Examples
         --------
@@ -266,7 +266,7 @@ class Curvature:
 
     @cached_property
     def kretschmann(self) -> Tensor:
-        """R_mnlk R^mnlk, rank 0."""
+        """Kretschmann scalar R_mnlk R^mnlk, rank 0."""
         frame = self.connection.frame
 
         def rule() -> Element:

@@ -29,7 +29,7 @@ def embedded(
     domain: object = None,
     name: str | None = None,
 ) -> Connection:
-    """Metric connection with torsion of one-forms eps^i in flat space, more forms than coordinates.
+    """Metric connection with torsion from m >= n one-forms eps^i of n coordinates in flat space.
 
     The forms map each step dq to a step eps^i_mu dq^mu in flat space with Cartesian coordinates
     x^i. Parallel transport there is projected back. Rows d x^i(q) embed a surface and give its
@@ -51,7 +51,7 @@ def embedded(
     signature
         m signs of the metric of flat space; None: all +1.
     parameters, domain, name
-        As of a frame.
+        As for `Frame`.
 
     Returns
     -------

@@ -94,7 +94,7 @@ def numbers_at(tensor: Tensor, point: Point, bits: int = 53) -> dict[Index, Numb
 
 
 def _check_branches(frame: Frame, values: Mapping[sp.Expr, Number]) -> None:
-    """Refuse a point at which a root has not the sign with which it was read."""
+    """Refuse a point at which a root has another sign than it was read with."""
     if not frame.field.relied_on:
         return
     # Loads numpy.

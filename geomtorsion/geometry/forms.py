@@ -39,14 +39,14 @@ Source = Mapping[Index, Scalar] | Mapping[int, Scalar] | Callable[[Index], Eleme
 @exclusive
 @dataclass(frozen=True, eq=False, repr=False)
 class Form:
-    """Differential form over a frame, with values in numbers or in tensors.
+    """Differential form over a frame, scalar-valued or tensor-valued.
 
     frame: the frame of the form.
     degree: number p of the form indices, which are coordinate indices.
     source: {index: component}, or a function of the index, called for increasing form indices.
         An index lists the value indices first, then the p form indices; a component belongs to the
         antisymmetric tensor: alpha = sum over a1 < ... < ap of alpha_{a1...ap} dq^a1 ^ ... ^ dq^ap.
-    values: slots of the value indices (see Tensor), empty for a form with values in numbers.
+    values: slots of the value indices (see Tensor), empty for a scalar-valued form.
     symbol: how the form is written.
 
     Raises
@@ -193,7 +193,7 @@ class Form:
         return Tensor(self.frame, slots, lambda place: self.element(*place), symmetry, self.symbol)
 
     def part(self, *index: int) -> Form:
-        """The form with values in numbers at given value indices.
+        """Scalar-valued form at given value indices.
 
         Examples
         --------
@@ -395,7 +395,7 @@ class Form:
 
     @cached_property
     def d(self) -> Form:
-        """Exterior derivative; with values in tensors, of each component.
+        """Exterior derivative; of a tensor-valued form, component by component.
 
         Equation
         --------
@@ -471,7 +471,7 @@ class Form:
     def lie(self, xi: object) -> Form:
         """Lie derivative along a vector field, by Cartan's formula: d i_xi + i_xi d.
 
-        Frame indices among the values are moved with the tensor (see `lie`).
+        Frame indices of a tensor-valued form are treated as in `lie`.
 
         Examples
         --------

@@ -68,29 +68,35 @@ class Frame:
     name: its name in messages and pages.
     field: the exact field of all components.
     given: the matrices it was made from, as exact elements: eta and coframe, legs or metric.
-    attached: data that do not follow from the frame: its "atlas", "names" for printing, and from
-        which frame by which values it was "substituted".
+    attached: further data by name: "atlas", "names" for printing, and "substituted": the frame and
+        the values from which `subs` made it.
 
-    To make one: coframe (rows i, columns mu) as nested lists or a sympy matrix; signature None
-    (all +1), a tuple of signs, a text such as "-+++", or a constant symmetric matrix eta; domain
-        one relation or several, as text too: "r > 0, 0 < theta < pi". Entries may be text in the
-        coordinates and the listed parameters;
-    branches {root: value}: values of roots that are rational in other names, where the sign shall
-        not be the positive one, such as {sqrt(1 - sin(x)**2): -cos(x)}.
+    Parameters
+    ----------
+    coframe
+        e^i_mu, rows i, columns mu: nested lists or a sympy matrix. Entries may be text in the
+        coordinates and the listed parameters.
+    signature
+        a tuple of signs, a text such as "-+++", or a constant symmetric matrix eta; None: all +1.
+    domain
+        one relation or several, also as text: "r > 0, 0 < theta < pi".
+    branches
+        {root: value} for roots that are rational in other symbols and shall not have the positive
+        sign, such as {sqrt(1 - sin(x)**2): -cos(x)}.
 
     Raises
     ------
     CoframeError
         The coframe is not square, or its determinant vanishes identically.
     ShapeError
-        There are not as many coordinates as columns.
+        The number of coordinates differs from the number of columns.
     CoordinateError
         Coordinates are repeated or clash with parameters.
     SignatureError
         eta is not constant, symmetric and regular.
     ExpressionError
-        An entry cannot be read exactly (Piecewise, floats, Abs of both signs in the domain, ...);
-        the message names it.
+        An entry cannot be read exactly (Piecewise, floats, Abs of a term with both signs in the
+        domain, ...); the message names it.
 
     Examples
     --------
@@ -248,7 +254,7 @@ class Frame:
         constants
             C_ij^k, shape (n, n, n): the brackets of the legs. The object of anholonomy of the
             frame, 2 S of its Cartan connection, is minus these. Entries are numbers or parameters.
-            A mapping {(0, 1, 2): 1} names those that do not vanish, in one order of i and j.
+            A mapping {(0, 1, 2): 1} lists the nonzero ones, each for one order of i and j.
         coordinates
             Coordinates of the second kind; x1 ... xn if not given.
 
@@ -279,14 +285,14 @@ class Frame:
 
     @property
     def shape(self) -> str:
-        """Origin of the frame: "coframe", "legs" or "metric"."""
+        """How the frame was given: "coframe", "legs" or "metric"."""
         return next(shape for shape in ("metric", "legs", "coframe") if shape in self.given)
 
     # -- matrices -------------------------------------------------------------------------------
 
     @cached_property
     def coframe(self) -> Tensor:
-        """e^i_mu, slots Ud: rows i, columns mu; inverse to legs.
+        """Coframe e^i_mu, slots Ud: rows i, columns mu; inverse to legs.
 
         A capital is a leg slot, a small letter a coordinate slot; along the legs: `.in_frame()`.
         """
@@ -305,7 +311,7 @@ class Frame:
 
     @cached_property
     def legs(self) -> Tensor:
-        """E_i^mu, slots uD: legs[mu, i], one leg per column.
+        """Legs E_i^mu, slots uD: legs[mu, i], one leg per column.
 
         A capital is a leg slot, a small letter a coordinate slot; along the legs: `.in_frame()`.
         """
@@ -313,7 +319,7 @@ class Frame:
 
     @cached_property
     def metric(self) -> Tensor:
-        """g_{mu nu} = e^i_mu eta_ij e^j_nu, slots dd.
+        """Metric g_{mu nu} = e^i_mu eta_ij e^j_nu, slots dd.
 
         Coordinate slots; along the legs: `.in_frame()`.
         """
@@ -321,7 +327,7 @@ class Frame:
 
     @cached_property
     def inverse_metric(self) -> Tensor:
-        """g^{mu nu}, slots uu.
+        """Inverse metric g^{mu nu}, slots uu.
 
         Coordinate slots; along the legs: `.in_frame()`.
         """
@@ -331,7 +337,7 @@ class Frame:
 
     @cached_property
     def coframe_derivative(self) -> Components:
-        """d_a e^i_b at (a, i, b): every connection is made from these."""
+        """Partial derivatives d_a e^i_b at (a, i, b), from which every connection is computed."""
         return frame_matrices.coframe_derivative(self)
 
     @cached_property
@@ -400,7 +406,7 @@ class Frame:
         return tensor_from_array(self, "u", components, "vector", symbol="v")
 
     def coframe_form(self, *index: int) -> Form:
-        """e^i as a one-form, for one leg or, with values in the frame, for all legs.
+        """One-form e^i of a leg; without an index, of all legs, with a frame index.
 
         Examples
         --------
@@ -440,13 +446,13 @@ class Frame:
     def region(self) -> Region:
         """The region where signs are read: the declared domain, or the preferred one.
 
-        Without a domain it is searched: the first coordinate timelike if the metric has one time,
-        parameters and coordinates positive, far from walls.
+        Without a declared domain a region is chosen: preferably the first coordinate is timelike
+        (if the metric has one time), and parameters and coordinates are positive, far from walls.
 
         Raises
         ------
         CoordinateError
-            No point was found in any.
+            No region contains a point.
 
         Examples
         --------
@@ -458,12 +464,12 @@ class Frame:
 
     @cached_property
     def sample_point(self) -> RationalPoint:
-        """The point of the region of the frame: symbol -> number.
+        """Generic point in the region of the frame: symbol -> number.
 
         Raises
         ------
         CoordinateError
-            No such point was found.
+            No region contains a point.
         """
         return evaluation.sample_point(self)
 
@@ -508,21 +514,21 @@ class Frame:
         Parameters
         ----------
         values
-            {parameter: number or constant expression}, {a(t): expression of t}; names and text do
-            as well: {"M": "m1 + 1"}, where names that the frame does not know become parameters.
-            Also a list of pairs, or one parameter followed by its value, as in sympy.
+            {parameter: number or constant expression}, {a(t): expression of t}; also names and
+            text: {"M": "m1 + 1"}, where names that are new to the frame become parameters. Also a
+            list of pairs, or one parameter followed by its value, as in sympy.
 
         Raises
         ------
         UnknownNameError
             There is no such parameter or function.
         CoordinateError
-            A coordinate was given a value, a parameter one that is not constant, that it was
-            declared not to have, or that leads out of the domain.
+            A coordinate was given a value; or the value of a parameter is not constant, contradicts
+            its declaration or is outside of the domain.
         SingularPointError
-            An entry has no finite value then.
+            An entry has no finite value at these values.
         CoframeError
-            The frame is singular then.
+            The frame is singular at these values.
 
         Examples
         --------
@@ -579,8 +585,8 @@ class Frame:
     def in_coordinates(self, new: object, old: object, domain: object = None) -> Frame:
         """This frame in other coordinates.
 
-        The legs stay the same. A frame made from a metric is made from it again, so that its
-        legs may be others. `tensor.in_coordinates` and `connection.in_coordinates` go with it.
+        The legs stay the same. A frame made from a metric is made from it again, so that its legs
+        may differ. Tensors and connections have the same method.
 
         Parameters
         ----------
@@ -588,7 +594,7 @@ class Frame:
             The new coordinates: symbols or names.
         old
             {old coordinate: expression of the new ones}, or expressions in the order of the old
-            ones; text is read. A coordinate without an expression stays.
+            coordinates; also as text. A coordinate without an expression stays.
         domain
             Relations of the new coordinates; the frame's own relations are translated and added.
 
@@ -613,7 +619,7 @@ class Frame:
         return frame_in(self, new, old, domain)
 
     def expanded(self, symbol: sp.Symbol | str, order: int) -> Frame:
-        """This frame as a power series in a small parameter, cut after an order.
+        """This frame as a power series in a small parameter, truncated after an order.
 
         All quantities of the new frame are such series, found order by order: products above the
         order are never formed. `tensor.order(k)` gives one coefficient.
@@ -621,7 +627,7 @@ class Frame:
         Parameters
         ----------
         symbol
-            A parameter of the frame, which has to be regular where it is zero.
+            A parameter of the frame; where it is zero, the frame must be regular.
         order
             The highest power kept.
 
@@ -657,8 +663,9 @@ class Frame:
         """This frame, with tensors printed by names for quantities that occur often in them.
 
         Texts, tables, HTML, LaTeX and `to_sympy(short=True)` have names where that is shorter;
-        `.subs(frame.names)` takes them out. Components themselves stay in coordinates. A quantity
-        is an expression or text over the symbols of the frame and earlier names.
+        `.subs(frame.names)` replaces them by their expressions. Components themselves stay in
+        coordinates. A quantity is an expression or text over the symbols of the frame and earlier
+        names.
 
         Raises
         ------

@@ -24,7 +24,7 @@ def tensor_from_array(
     Raises
     ------
     ShapeError
-        The lists have not as many levels as slots, or a level has not one entry per dimension.
+        The lists do not have one level per slot, or a level not one entry per dimension.
     ExpressionError
         An entry cannot be read exactly; the message names it.
 

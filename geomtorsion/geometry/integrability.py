@@ -76,7 +76,7 @@ def integrability(torsion: Tensor, allowed: Collection[int]) -> Integrability:
 class ParallelVolume:
     """The density f sqrt|g| with D_a (f sqrt|g|) = 0, up to a constant factor, or what prevents it.
 
-    gradient: d_a log f as the connection demands it, slots d: Gamma_ab^b - d_a log sqrt|g|.
+    gradient: d_a log f as the connection requires it, slots d: Gamma_ab^b - d_a log sqrt|g|.
     holds: True if there is such a volume, that is, if the gradient is closed; None if undecided.
     obstructions: (a, b) -> d_a W_b - d_b W_a of the gradient W, a < b, where it does not vanish.
 

@@ -32,14 +32,14 @@ class LieAlgebra:
     --------
     [X_i, X_j] = C_ij^k X_k,  C_[ij^s C_k]s^m = 0
 
-    Symbols in the constants have generic values. Signs of the Killing form, and with them a name,
-    may depend on them: they hold at `sample`.
+    Symbols in the constants have generic values. The signs of the Killing form, and so the name,
+    may depend on them; they are given at `sample`.
 
     Parameters
     ----------
     constants
-        C_ij^k, shape (n, n, n), axes (i, j, k), or a mapping {(0, 1, 2): 1} of those that do not
-        vanish, in one order of i and j (see `Frame.from_structure_constants`).
+        C_ij^k, shape (n, n, n), axes (i, j, k), or a mapping {(0, 1, 2): 1} of the nonzero ones,
+        each for one order of i and j (see `Frame.from_structure_constants`).
 
     Raises
     ------
@@ -130,7 +130,7 @@ class LieAlgebra:
         Raises
         ------
         ShapeError
-            One of them has not n components.
+            One of them does not have n components.
 
         Examples
         --------
@@ -170,7 +170,7 @@ class LieAlgebra:
 
     @property
     def center(self) -> int:
-        """Dimension of the centre: of what commutes with everything."""
+        """Dimension of the centre, whose elements commute with all others."""
         return len(self.exact.center)
 
     @property

@@ -26,7 +26,7 @@ def vector(frame: Frame, values: object, name: str = "vector") -> Tensor:
     ShapeError
         There is not one component for each coordinate, or the tensor belongs to another frame.
     TensorIndexError
-        The tensor has not one index.
+        The tensor does not have exactly one index.
     """
     if not isinstance(values, Tensor):
         return tensor_from_array(frame, "u", values, name)
@@ -67,7 +67,7 @@ def lie(xi: object, field: Tensor | Connection | Frame | Form) -> Tensor | Form:
     Raises
     ------
     ShapeError
-        xi has not one component for each coordinate.
+        xi does not have one component for each coordinate.
     TensorIndexError
         The argument consists of connection coefficients. Give the connection.
 
@@ -168,7 +168,8 @@ def lie_bracket(frame: object, first: object, second: object = None) -> Tensor:
     Raises
     ------
     ShapeError
-        A vector has not one component for each coordinate, or the tensors belong to two frames.
+        A vector does not have one component for each coordinate, or the tensors belong to two
+        frames.
     ArgumentError
         There is no frame, or one vector field is missing.
 

@@ -31,17 +31,18 @@ def numpy_function(
     -------
     Function of len(symbols) numbers or arrays of one shape. For a tensor it returns an array of
     shape (*shape, n, ..., n), one axis for each index; for elements an array of shape (k, *shape).
-    Its source is kept in the attribute `source`. Values are right to 1e-12 of themselves.
+    Its source is kept in the attribute `source`. Values have a relative error below 1e-12.
 
     Raises
     ------
     MissingValueError
         a symbol occurs that is not among the arguments.
     ArgumentError
-        (also from the function) a symbol comes twice; an argument is neither a real number nor an
-        array of them, or, if values are to be right, not finite.
+        (also from the function) a symbol occurs twice; an argument is neither a real number nor an
+        array of real numbers, or, with `check`, is not finite.
     SingularPointError
-        (from the function) a value is not finite, or drowns in rounding; the message names it.
+        (from the function) a value is not finite, or is lost in rounding errors; the message names
+        it.
 
     Examples
     --------

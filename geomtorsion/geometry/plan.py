@@ -162,7 +162,7 @@ class DependencyGraph:
         return tuple(name for name in FRAME_QUANTITIES if name not in self.graph)
 
     def run(self) -> dict[str, float]:
-        """Compute every step in order; seconds spent on each."""
+        """Compute every step in order, and return the seconds spent on each."""
         spent = {}
         for step in self.steps:
             start = perf_counter()

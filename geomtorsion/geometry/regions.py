@@ -195,12 +195,13 @@ class Region:
     def sign_verdict(self, expression: object) -> Verdict:
         """The sign of an expression in the region: positive, negative, zero, both or undecided.
 
-        A sign is proved for all points of the region; both signs are proved at two points. Unknown
-        functions of which nothing is assumed are undecided. Arguments and errors as for `sign`.
+        A sign is proved for all points of the region; both signs are proved at two points.
+        Expressions with unknown functions, about which nothing is assumed, are undecided. Arguments
+        and errors as for `sign`.
 
         Examples
         --------
-        A negative sliver, a thousandth wide, and a square that has none:
+        The first is negative only within a thousandth of x = 1/2, the second nowhere:
 
         >>> from geomtorsion.geometry import Frame
         >>> region = Frame("x y", [["log(x)", 0], [0, 1]]).region

@@ -31,7 +31,7 @@ def surface(
     domain: object = None,
     orientation: int = 1,
 ) -> Surface:
-    """A surface in the space of a frame, given by the old coordinates as functions of its own.
+    """Surface in the space of a frame, given by coordinates of the space as functions on it.
 
     Parameters
     ----------
@@ -40,9 +40,10 @@ def surface(
     coordinates
         The coordinates of the surface, symbols or names: fewer than the space has.
     embedding
-        {coordinate of the space: expression of those of the surface}, or expressions in order. A
-        coordinate without an expression is one of the surface, or constant: a parameter of the
-        same name. New symbols are parameters; text may use known names only.
+        {coordinate of the space: expression in coordinates of the surface}, or expressions in the
+        order of the coordinates of the space. A coordinate without an expression is a coordinate of
+        the surface if it is listed there, otherwise a constant parameter of the same name. New
+        symbols are parameters; text may use known names only.
     domain
         Relations that hold on the surface.
     orientation
@@ -138,7 +139,7 @@ class Surface:
     @overload
     def pullback(self, field: Tensor) -> Tensor: ...
     def pullback(self, field: Tensor | Form) -> Tensor | Form:
-        """A tensor with lower indices, or a form, as it is on the surface.
+        """Pullback to the surface of a tensor with lower indices, or of a form.
 
         Raises
         ------
@@ -226,7 +227,7 @@ class Surface:
 
     @property
     def normal(self) -> tuple[sp.Expr, ...]:
-        """n^mu of length one, in the coordinates of the space, as functions on the surface."""
+        """Unit normal n^mu in the coordinates of the space, as functions on the surface."""
         return tuple(x.sympy for x in self._normal[1])
 
     @property
@@ -236,9 +237,10 @@ class Surface:
 
     @cached_property
     def extrinsic_curvature(self) -> Tensor:
-        """K_ab = (D_mu n_nu) d_a q^mu d_b q^nu, slots dd, symmetric; D of the metric of the space.
+        """Extrinsic curvature K_ab = (D_mu n_nu) d_a q^mu d_b q^nu, slots dd, symmetric.
 
-        On a sphere with the normal pointing outwards it is positive.
+        D is the Levi-Civita derivative of the space. With the outward normal a sphere has positive
+        curvature.
         """
         lower, _, _ = self._normal
         n, field = self.ambient.dimension, self.frame.field
@@ -256,7 +258,7 @@ class Surface:
 
     @cached_property
     def mean_curvature(self) -> Tensor:
-        """K = g^ab K_ab, rank 0: 2/r on a sphere."""
+        """Mean curvature K = g^ab K_ab, rank 0: 2/r on a sphere."""
         frame, K = self.frame, self.extrinsic_curvature.components.get
 
         def rule() -> Element:

@@ -212,7 +212,7 @@ class Tensor:
 
     @cached_property
     def certainty(self) -> Certainty:
-        """How sure it is which components vanish: proved, up to a chance of error, or undecided.
+        """Certainty about which components vanish: proved, up to a chance of error, or undecided.
 
         Examples
         --------
@@ -249,23 +249,24 @@ class Tensor:
     def at(self, point: Points, *, digits: int | None = None) -> np.ndarray:
         """Numbers at a point: array of floats (complex if the frame is), one axis per index.
 
-        Where values are lists or arrays, numbers at all points: their common shape comes first.
+        If values are lists or arrays, they give numbers at many points; the common shape of the
+        lists comes first in the shape of the result.
 
         Parameters
         ----------
         point
             Value of each coordinate and parameter on which the tensor depends; keys are symbols
-            or their names. A float has its binary value: write Fraction(1, 10), not 0.1. Lists
-            and arrays are points one by one; for very many `numpy_function` is faster.
+            or their names. A float has its binary value: write Fraction(1, 10), not 0.1. Lists and
+            arrays have one entry for each point; for very many points `numpy_function` is faster.
         digits
-            So many right decimal digits, up to 1000, as numbers of mpmath in an array of objects;
-            None: floats.
+            Number of correct decimal digits, up to 1000; the result is then an array of mpmath
+            numbers. None: floats.
 
         Raises
         ------
         CoordinateError
-            A name is unknown here, a value is not a finite number or contradicts the declaration of
-            a parameter, or digits is not a whole number from 1 to 1000.
+            A name is unknown, a value is not a finite number or contradicts the declaration of a
+            parameter, or digits is not a whole number from 1 to 1000.
         MissingValueError
             A symbol has no value.
         ShapeError
@@ -324,7 +325,7 @@ class Tensor:
         """The same tensor with all indices in the coordinate basis; or in other coordinates.
 
         With a map, as in `Frame.in_coordinates`, it is the tensor over the frame in the new
-        coordinates, its slots as they are.
+        coordinates, with the same slots.
 
         Examples
         --------
@@ -490,12 +491,12 @@ class Tensor:
     def det(self) -> Tensor:
         """Determinant of the matrix of components of a tensor with two indices.
 
-        Of a metric g_{ab} it is a density, not a scalar.
+        The determinant of a metric g_{ab} is a density, not a scalar.
 
         Raises
         ------
         TensorIndexError
-            The tensor has not two indices.
+            The tensor does not have two indices.
 
         Examples
         --------
@@ -508,12 +509,12 @@ class Tensor:
         return indexing.determinant_of(self)
 
     def inv(self) -> Tensor:
-        """Inverse of the matrix of components: of g_{ab} it is g^{ab}.
+        """Inverse of the matrix of components, such as g^{ab} of g_{ab}.
 
         Raises
         ------
         TensorIndexError
-            The tensor has not two indices.
+            The tensor does not have two indices.
         SingularPointError
             The determinant vanishes.
 
@@ -554,17 +555,17 @@ class Tensor:
         point
             A number, an expression or text; oo and -oo for infinity.
         side
-            "+" from above, "-" from below. Without it from both, as far as the domain and what the
-            symbol was declared to be allow: both limits have to be one.
+            "+" from above, "-" from below. None: both sides, where the domain and the declaration
+            of the symbol allow them; the two limits must agree.
 
         Raises
         ------
         SingularPointError
-            A component has no limit: it grows, does not settle, or has two.
+            A component has no limit: it grows, oscillates, or differs between the two sides.
         UndecidedError
             A limit cannot be computed.
         CoordinateError, UnknownNameError
-            The symbol is unknown here, or the point is outside of the domain.
+            The symbol is unknown, or the point is outside of the domain.
 
         Examples
         --------
@@ -578,11 +579,10 @@ class Tensor:
         return self._mapped(lambda value, name: limit(self.frame.field, value, ways, name))
 
     def series(self, symbol: sp.Symbol | str, point: Value, order: int) -> Tensor:
-        """Every component as a sum of powers of (symbol - point), the order included.
+        """Power series of every component in (symbol - point), up to and including an order.
 
-        At infinity the powers are powers of 1/symbol. Powers may begin below zero, and be
-        fractional where roots vanish. The requested order is included, while sympy's `series` ends
-        before it.
+        At infinity it is a series in 1/symbol. Powers may be negative, and fractional where roots
+        vanish. Note that sympy's `series` ends before the requested order.
 
         Raises
         ------
@@ -678,7 +678,7 @@ class Tensor:
             Names of the values of an index, one for each coordinate: "trθφ", or a list
             of texts. Without it coordinates have their own names and legs their numbers.
         where
-            {index: its value} to see part of them: {2: "r"} has those with an r as last index.
+            {index: its value} selects components: with {2: "r"}, the index number 2 is r.
         every
             Also list components that follow from others by symmetry.
 
@@ -706,7 +706,7 @@ class Tensor:
         return notation.latex(self)
 
     def to_latex(self) -> str:
-        r"""A matrix for two indices, else the independent components; as `sympy.latex` writes it.
+        r"""LaTeX of the components: a matrix for two indices, else the independent components.
 
         Examples
         --------

@@ -92,7 +92,7 @@ class Torsion:
 
     @cached_property
     def vector(self) -> Tensor:
-        """v_a = T_ab^b, slots d.
+        """Torsion vector v_a = T_ab^b, slots d.
 
         Coordinate slots; along the legs: `.in_frame()`.
         """
@@ -105,7 +105,7 @@ class Torsion:
 
     @cached_property
     def axial(self) -> Tensor:
-        """T_[abc] = (T_abc + T_bca + T_cab) / 3, slots ddd: the totally antisymmetric part.
+        """Axial part T_[abc] = (T_abc + T_bca + T_cab) / 3, slots ddd: totally antisymmetric.
 
         Coordinate slots; along the legs: `.in_frame()`.
         """
@@ -124,7 +124,7 @@ class Torsion:
 
     @cached_property
     def tensor(self) -> Tensor:
-        """T_abc - T_[abc] - (v_a g_bc - v_b g_ac) / (n - 1), slots ddd: the traceless part.
+        """Tensor part T_abc - T_[abc] - (v_a g_bc - v_b g_ac) / (n - 1), slots ddd: traceless.
 
         Its contractions and its totally antisymmetric part vanish.
 
@@ -166,7 +166,7 @@ class Torsion:
 
     @cached_property
     def scalar(self) -> Tensor:
-        """T_abc T^abc / 4 + T_abc T^cba / 2 - v_a v^a, rank 0.
+        """Torsion scalar T_abc T^abc / 4 + T_abc T^cba / 2 - v_a v^a, rank 0.
 
         R_bar = -scalar - 2 D_bar_a v^a for a flat connection.
         """
@@ -209,7 +209,7 @@ class Torsion:
 
     @cached_property
     def force_coefficients(self) -> Tensor:
-        """S_a^c_b + S_b^c_a, slots ddu, symmetric: the force is this, times q'^a q'^b.
+        """Coefficients F_ab^c = S_a^c_b + S_b^c_a, slots ddu, of the force f^c = F_ab^c q'^a q'^b.
 
         Coordinate slots; along the legs: `.in_frame()`.
         """
@@ -242,7 +242,7 @@ class Torsion:
         Raises
         ------
         ShapeError
-            velocity has not one component per coordinate.
+            velocity does not have one component per coordinate.
 
         Examples
         --------

@@ -95,7 +95,7 @@ class AffineMap:
         Raises
         ------
         LoopError
-            There is no real logarithm, or no single one: half a turn in some plane.
+            There is no real logarithm, or it is not unique (half a turn in some plane).
         """
         return -logarithm(self.turn)
 
@@ -153,8 +153,8 @@ class AffineMap:
     def centre(self) -> np.ndarray | None:
         """The point of the screw axis nearest to the base point, in the frame there, shape (n,).
 
-        In two and three dimensions: where the defect seems to sit, seen along the loop.
-        None without a turn.
+        In two and three dimensions it is the apparent position of the defect. None without a
+        rotation.
         """
         n = len(self.increment) - 1
         if not np.abs(self.turn).max() > 0:

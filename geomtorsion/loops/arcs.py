@@ -34,7 +34,7 @@ class Arc(Protocol):
 
     @property
     def waves(self) -> int:
-        """The highest frequency of its offsets: what a rule must at least resolve."""
+        """The highest frequency of its offsets, which an integration rule must resolve."""
         ...
 
     def shape(self, s: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
@@ -100,7 +100,7 @@ class Segment:
 
     start, end: offsets, shape (n,).
     given: both ends as the user gave them, where these were coordinates.
-    held: the same with floats as the dyadic numbers that they are, where `given` is calculated.
+    held: both ends, with floats as exact binary fractions, where `given` is calculated.
     """
 
     start: Vector
@@ -213,7 +213,7 @@ class Part:
     periods: (coordinate, period) of coordinates that are angles.
     gap: whole periods from its start to its end, in units of the size, shape (n,); empty where it
         closes without them.
-    assumed: whether these are turns of 2 pi that nobody declared, which a frame must then do.
+    assumed: whether these are undeclared turns of 2 pi, which the frame must then have as periods.
     """
 
     centre: tuple[float, ...]
@@ -232,12 +232,12 @@ class Part:
 
     @property
     def base_offset(self) -> np.ndarray:
-        """Where it starts and ends, as offset, shape (n,)."""
+        """Offset of the point where it starts and ends, shape (n,)."""
         return self.arcs[0].shape(np.zeros(1))[0][:, 0]
 
     @property
     def base(self) -> np.ndarray:
-        """Where it starts and ends, as coordinates, shape (n,)."""
+        """Coordinates of the point where it starts and ends, shape (n,)."""
         return np.array(self.centre) + self.size * self.base_offset
 
 

@@ -37,7 +37,7 @@ REMEDY = "Ask for fewer members, or average runs with different seeds."
 
 @dataclass(frozen=True, repr=False)
 class InvariantMeasure:
-    """Invariant measure of a diffusion, exact, or what prevents a reversible one.
+    """Exact invariant measure of a diffusion, or the obstructions to a reversible one.
 
     Equation
     --------
@@ -153,14 +153,14 @@ class StochasticEnsemble:
 
 @dataclass(frozen=True, eq=False, repr=False)
 class Diffusion:
-    """Brownian motion with torsion: white noise in the frame, rolled out by a connection.
+    """Brownian motion with torsion: white noise in the frame, developed by a connection.
 
     Equation
     --------
     dq^m = E_i^m o dB^i + c^k E_k^m dt, c^k = - sum_i omega_ii^k / 2 (Stratonovich), with the
     generator L f = g^{ab} D_a D_b f / 2 = (Laplacian f) / 2 + b^a d_a f.
-    The law depends on the connection only by b. For a metric connection b^a = - T^a_b^b / 2: the
-    torsion vector is a drift, and the rest of the torsion does not act
+    The law depends on the connection only through b. For a metric connection b^a = - T^a_b^b / 2:
+    the torsion vector is a drift, and the rest of the torsion has no effect
         [Kleinert, Shabanov, J. Phys. A 31 (1998) 7005; Ikeda, Watanabe, Stochastic differential
         equations, 1989, chapter V]
 
@@ -213,9 +213,9 @@ class Diffusion:
 
     @cached_property
     def invariant_measure(self) -> InvariantMeasure:
-        """The measure that does not change in time, exact, or what prevents a reversible one.
+        """Exact measure that does not change in time, or the obstructions to a reversible one.
 
-        If the drift is not a gradient, but has no divergence, the volume itself is invariant.
+        If the drift is not a gradient but free of divergence, the volume is invariant.
         """
         slope = {place: 2 * x for place, x in self.drift.lowered(0).components.nonzero.items()}
         verdict = volume_of(Tensor(self.connection.frame, "d", slope, (), "W", "twice the drift"))

@@ -63,8 +63,8 @@ def burgers_vector(
     Gauss on the sides of parallelograms and by Gauss and Kronrod on the sides of other polygons;
     and the flux through a parallelogram or the cone over another loop, from the exact curl of the
     coframe. The line integral loses a digit for every decade by which the loop shrinks; the
-    flux loses none. Where both agree the more accurate one is given; where they differ, torsion
-    sits on a line or point inside, and the line integral is the answer.
+    flux loses none. If both agree, the result is the more accurate value. If they differ, torsion
+    is concentrated on a line or point inside, and the result is the line integral.
 
     Parameters
     ----------
@@ -72,7 +72,7 @@ def burgers_vector(
         A frame, a space, or the name of a shipped one. Measured data have a method for their
         loops, such as `SampledFrame.burgers`, because their spacing determines the error.
     accuracy
-        Wanted relative error of the vector (largest component); `reached` reports success.
+        Requested relative error of the vector (largest component); `reached` reports success.
     parameters
         Values of the parameters of frame and loop, {symbol or name: number}.
     seconds
@@ -101,7 +101,7 @@ def burgers_vector(
     AccuracyError
         Even an accuracy of 1e-2 takes longer than `seconds`.
     ArgumentError
-        The frame is measured data; or seconds come with an accuracy.
+        The frame is measured data; or both seconds and an accuracy are given.
     MissingValueError
         A parameter has no value.
     CoordinateError

@@ -90,10 +90,10 @@ class Cochain:
     >>> steps = Cochain.of_edges(ring, [[3, 0], [0, 3], [-4, 0], [0, -3]])
     >>> steps.around([0, 1, 2, 3]).vector.tolist()
     [-1, 0]
-    >>> steps.forest.closure.tolist()        # of a basis of all cycles: here there is but one
+    >>> steps.forest.closure.tolist()        # of a basis of all cycles: here one
     [[-1, 0]]
 
-    On a complex with faces the coboundary is the torsion in each, and it has none of its own:
+    On a complex with faces the coboundary is the torsion of each face. Its coboundary vanishes:
 
     >>> import numpy as np
     >>> grid = Complex.grid((2, 2, 2))
@@ -154,10 +154,10 @@ class Cochain:
             Difference between the second node and the first, shape (edges, n), and bounds on its
             largest component, shape (edges,).
         images
-            How many periods further the second node is meant, shape (edges, d), where the crystal
-            is periodic.
+            Offset of the periodic image of the second node, in periods, shape (edges, d), if the
+            crystal is periodic.
         nodes, labels
-            How many nodes there are (as many as the pairs name, if not given), and their names.
+            Number of nodes (None: the nodes that the pairs name), and their names.
 
         Examples
         --------
@@ -231,9 +231,9 @@ class Cochain:
         Parameters
         ----------
         positions
-            Of the nodes, shape (nodes, n).
+            Coordinates of the nodes, shape (nodes, n).
         periods
-            What one period adds, shape (d, n); needed where the complex has images.
+            Vector of each period, shape (d, n); required if the complex has images.
 
         Examples
         --------
@@ -295,7 +295,7 @@ class Cochain:
         Parameters
         ----------
         matrix
-            Shape (n, m); row k is what a unit of the component k becomes.
+            Shape (n, m); row k is the image of the k-th unit vector.
 
         Examples
         --------
@@ -319,8 +319,9 @@ class Cochain:
     def coboundary(self) -> Cochain:
         """Sums over the boundary of each edge, face or cell: the cochain one degree higher.
 
-        Of steps along edges it is the closure failure of every face, the discrete torsion. The
-        coboundary of a coboundary is zero; of floats to rounding, which the errors contain.
+        The coboundary of steps along edges is the closure failure of every face, the discrete
+        torsion. The coboundary of a coboundary is zero, for floats up to rounding, which the errors
+        contain.
 
         Raises
         ------
@@ -334,7 +335,7 @@ class Cochain:
     def divergence(self) -> ChainSums:
         """At each node: sum over the edges that leave it minus sum over the edges that arrive.
 
-        Of Burgers vectors on dislocation lines it is the node rule: zero where lines meet.
+        For Burgers vectors on dislocation lines it is zero where lines meet (node rule).
 
         Examples
         --------
@@ -416,8 +417,9 @@ class Cochain:
     def forest(self) -> Forest:
         """Sums along a spanning forest and the closure of every chord, as arrays.
 
-        `forest.chords` are the edges outside the forest, `forest.closure` what their fundamental
-        cycles miss (a basis of all cycles), `forest.potential` the resulting position of each node.
+        `forest.chords` are the edges outside the forest, `forest.closure` the closure failures of
+        their fundamental cycles (a basis of all cycles), `forest.potential` the resulting position
+        of each node.
 
         Raises
         ------
@@ -435,7 +437,7 @@ class Cochain:
         Raises
         ------
         NetworkError
-            Two neighbours are not joined by an edge, or by several of different values.
+            Two neighbours are not joined by an edge, or by several edges with different values.
         """
         self._on_edges()
         nodes, edges, senses = self.complex.along(cycle)
@@ -450,7 +452,7 @@ class Cochain:
         return self.along(tuple(nodes), edges, senses)
 
     def along(self, cycle: Cycle, edges: np.ndarray, senses: np.ndarray) -> CycleBurgers:
-        """The sum along edges, by number and sense, that are known to form a cycle."""
+        """The sum along edges, by number and sense; they must form a cycle (not checked)."""
         rows = senses[:, None] * self.values[edges]
         images = tuple((senses @ self.complex.images[edges]).tolist())
         if self.is_whole:

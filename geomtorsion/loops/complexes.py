@@ -111,7 +111,7 @@ class Complex:
         images: np.ndarray | Sequence[Sequence[int]] | None = None,
         labels: Sequence[Hashable] = (),
     ) -> Complex:
-        """A graph. nodes: as many as the pairs name, if not given."""
+        """Graph of edges. nodes: number of nodes; None: the nodes that the pairs name."""
         ends = whole_array(pairs, "pairs", NetworkError, 2)
         node_count = int(ends.max(initial=-1)) + 1
         count = node_count if nodes is None else checks.count(nodes, "nodes", NetworkError)
@@ -159,8 +159,8 @@ class Complex:
         periodic
             Whether the last node of an axis is joined to the first, one period further on.
 
-        Edges come axis by axis, each in the order of its first node; faces pair by pair of axes,
-        turned from the first axis to the second, and so do cells.
+        Edges are numbered axis by axis, in the order of their first nodes; faces by pairs of axes,
+        oriented from the first axis to the second, and cells likewise.
 
         Examples
         --------
@@ -208,7 +208,7 @@ class Complex:
 
         Each row belongs to a bounded element: the matrix takes values on nodes to their differences
         along edges, values on edges to sums around faces, values on faces to sums over cells.
-        The product of two neighbours is exactly zero.
+        The product of two successive matrices is exactly zero.
 
         Raises
         ------
@@ -281,7 +281,7 @@ class Complex:
 
     @property
     def neighbours(self) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-        """Joined pairs of nodes, lower and higher, ascending; where each lower one begins."""
+        """Joined pairs of nodes (lower, higher), ascending; the index where each lower begins."""
         keys = self._table[0]
         low, high = keys // self.nodes, keys % self.nodes
         low, high = low[low != high], high[low != high]
@@ -320,7 +320,8 @@ class Complex:
         Raises
         ------
         NetworkError
-            Two neighbours are not joined by an edge, a node is not there, or they are too few.
+            Two neighbours are not joined by an edge, a node does not exist, or there are too few
+            nodes.
         """
         chain = once_round(cycle, "cycle")
         if len(chain) < least:

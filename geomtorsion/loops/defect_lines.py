@@ -198,14 +198,14 @@ def parallel_dislocations(
     Parameters
     ----------
     positions
-        (x_k, y_k), shape (m, 2); numbers or expressions. Floats are taken as they are written.
+        (x_k, y_k), shape (m, 2); numbers or expressions. Floats are read as decimals: 0.1 is 1/10.
     burgers
         b_k^i, shape (m, 3).
 
     Raises
     ------
     ShapeError
-        There is not one Burgers vector per position, or two lines coincide.
+        The numbers of Burgers vectors and positions differ, or two lines coincide.
 
     Examples
     --------
@@ -258,7 +258,7 @@ def parallel_edges(positions: Sequence[Exact], burgers: Sequence[Exact]) -> Fram
 
 
 def dispiration(alpha: Number | str, b: Number | str) -> Frame:
-    """A wedge of angle 2 pi (1 - alpha) cut out and the faces joined one step b higher.
+    """Dispiration: a wedge of angle 2 pi (1 - alpha) is removed, the faces joined a step b higher.
 
     Equation
     --------

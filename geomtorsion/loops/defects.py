@@ -48,7 +48,7 @@ class Defect:
         directions, because loops do not wind around it then.
     name: its name.
     source: "declared", or the expression that vanishes on it.
-    names: of the coordinates; free: numbers of those that vary along it.
+    names: of the coordinates; free: numbers of the coordinates that vary along it.
 
     Examples
     --------
@@ -250,14 +250,16 @@ def enclosed_defects(
     defects
         The defects to look for; default: the result of `find_defects`.
     connection
-        Measures the charge of each on a small loop about it; without one it is omitted.
+        Connection with which the charge of each defect is measured, on a small loop around it;
+        None: charges are omitted.
 
     Raises
     ------
     SingularPointError
         The loop passes through a defect; the message names defect and point.
     UnknownNameError, CoordinateError
-        A name means nothing to this frame; a value contradicts the assumptions of its parameter.
+        The frame has no parameter of this name; a value contradicts the assumptions of its
+        parameter.
 
     Examples
     --------

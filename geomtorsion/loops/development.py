@@ -252,12 +252,12 @@ def develop(
         Any connection; for the Cartan connection of a frame the rotation is 1 and burgers the
         plain loop integral of the coframe.
     accuracy
-        Wanted error, relative to the integral of the absolute values along the chosen route.
+        Requested error, relative to the integral of the absolute values along the chosen route.
     parameters
         Values of the parameters of frame and loop, {symbol or name: number}.
     defects
-        Lines to look for inside the loop. If not given: those that `find_defects` finds, where
-        both routes differ.
+        Lines to look for inside the loop. None: where both routes differ, the lines from
+        `find_defects`.
 
     Returns
     -------

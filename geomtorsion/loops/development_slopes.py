@@ -47,9 +47,9 @@ def development_derivatives(
 
     Equation
     --------
-    Central differences over steps that are halved, extrapolated to zero (Richardson 1911): the
-    best of all orders, whose error is its change by the last order and by the errors of the
-    developments.
+    Central differences over steps that are halved, extrapolated to zero (Richardson 1911). The
+    result is the best of all orders; its error is the change by the last order plus the effect of
+    the errors of the developments.
 
     Parameters
     ----------
@@ -67,7 +67,7 @@ def development_derivatives(
     UnknownNameError
         Neither frame nor loop has such a parameter.
     LoopError
-        The loop cannot be developed beside the value of the parameter on both sides.
+        The loop cannot be developed on both sides of the value of the parameter.
 
     Examples
     --------

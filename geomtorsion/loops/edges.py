@@ -67,7 +67,7 @@ class EdgeList:
 
     @cached_property
     def complex(self) -> Complex:
-        """Nodes and edges without their places."""
+        """Nodes and edges without positions."""
         return Complex.of_edges(self.pairs, len(self.positions), labels=self.labels)
 
 

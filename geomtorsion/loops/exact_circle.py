@@ -25,11 +25,11 @@ from geomtorsion.support.checks import expression
 def exact_circle(
     frame: Frame, centre: Sequence[sp.Expr], radius: sp.Expr, plane: tuple[int, int] = (0, 1)
 ) -> tuple[sp.Expr, ...]:
-    """Burgers vector of a circle in closed form, without arrays of numbers.
+    """Burgers vector of a circle in closed form, without numerical checks.
 
-    `exact_burgers_vector` takes any loop and looks for poles by numbers; here it has to be seen
-    exactly that no denominator of the coframe has a zero on the circle. Where the circle or the
-    domain of the frame has symbols, it is up to the caller that the circle is inside the domain.
+    `exact_burgers_vector` takes any loop and searches poles numerically. This function decides
+    exactly that no denominator of the coframe has a zero on the circle. If the circle or the domain
+    of the frame contains symbols, the caller must ensure that the circle is inside the domain.
 
     Parameters
     ----------
@@ -41,7 +41,7 @@ def exact_circle(
     Raises
     ------
     LoopError
-        The centre has not one entry a coordinate, or the plane is none.
+        The centre does not have one entry per coordinate, or the plane is invalid.
     ChartEdgeError
         A circle of numbers leaves the declared domain of the frame.
     UndecidedError

@@ -268,23 +268,23 @@ def exact_burgers_vector(
 
     The pulled-back one-forms are integrated over every arc: constants, polynomials, trigonometric
     polynomials and waves of them (Bessel functions), rational functions on the circle, and what
-    sympy can integrate. The result is compared with a proved integral before it is given.
-    Decimal numbers in the loop are exact: 0.3 is 3/10. Where the loop or the domain of the frame
-    has symbols without a value, it is up to the caller that the loop is inside the domain: it is
-    refused only where it is outside for all values tried.
+    sympy can integrate. The result is compared with a proved integral before it is returned.
+    Decimal numbers in the loop are exact: 0.3 is 3/10. If the loop or the domain of the frame has
+    symbols without a value, the caller must ensure that the loop is inside the domain: it is
+    refused only if it is outside for all tried values.
 
     Parameters
     ----------
     seconds
-        How long a closed form is looked for.
+        Time limit of the search for a closed form.
     parameters
-        Values of parameters of frame and loop, {symbol or name: number}, put in exactly before
-        anything is integrated; those without a value stay symbols.
+        Values of parameters of frame and loop, {symbol or name: number}, substituted exactly before
+        the integration; parameters without a value stay symbols.
 
     Raises
     ------
     BranchError
-        The loop goes where a root of the coframe has not the sign with which it was read.
+        On the loop a root of the coframe has another sign than it was read with.
     SingularPointError
         The loop passes through a point where the coframe is singular.
     ChartEdgeError
@@ -292,9 +292,9 @@ def exact_burgers_vector(
     UndecidedError
         No closed form was found within the time, or it does not agree with the numbers.
     LoopError
-        The loop is known by numbers only (a spline), or has another dimension than the frame.
+        The loop is only known numerically (a spline), or has another dimension than the frame.
     UnknownNameError
-        A value is given for what neither frame nor loop contains.
+        A value is given for a name that neither frame nor loop contains.
 
     Examples
     --------
@@ -354,7 +354,7 @@ def _refuse_poles(frame: Frame, loop: Loop, where: Mapping[sp.Symbol, sp.Expr]) 
     for part in here.parts:
         refuse_poles(compiled.poles, part)
     if frame.field.relied_on:
-        # Raises where a root has not the sign with which it was read.
+        # Raises where a root has another sign than the sign with which it was read.
         compiled.coframe.at(here.points())
 
 

@@ -165,7 +165,7 @@ class Poles:
 def forms(
     frame: Frame, parameters: Parameters | None, columns: tuple[int, ...] | None = None
 ) -> Forms:
-    """The forms of a frame, compiled on first use and then kept, with values for its parameters.
+    """The compiled one-forms of a frame, kept after first use, with values for its parameters.
 
     Parameters
     ----------
@@ -179,7 +179,7 @@ def forms(
     MissingValueError
         A parameter has no value.
     UnknownNameError
-        A name means nothing to this frame.
+        The frame has no parameter of this name.
     CoordinateError
         A value contradicts the assumptions of its parameter.
     SingularPointError
@@ -371,7 +371,7 @@ def parameter_values(
     MissingValueError
         A parameter has no value.
     UnknownNameError
-        A name means nothing to this frame.
+        The frame has no parameter of this name.
     CoordinateError
         A value contradicts the assumptions of its parameter.
     """

@@ -37,7 +37,7 @@ class Hodograph:
 def outline(loop: Loop, points: int = 360) -> tuple[np.ndarray, float, str]:
     """Offsets of a loop from its centre, shape (n, k), the size of one loop in them, and the unit.
 
-    Loops that are tiny or huge count in their own size, which is then the unit, as text.
+    Tiny and huge loops are measured in units of their own size; the unit is given as text.
     """
     stretches = list(loop.arcs())
     each = max(2, points // len(stretches))
@@ -56,7 +56,7 @@ def outline(loop: Loop, points: int = 360) -> tuple[np.ndarray, float, str]:
 def hodograph(b: BurgersVector, points: int = 360, shown: float = 0.25) -> Hodograph:
     """The image of a loop in the frame, with its gap enlarged where it could not be seen.
 
-    shown: a gap below a tenth of this share of the picture is magnified to it.
+    shown: a gap below a tenth of this share of the figure is magnified to it.
     """
     loop, compiled = b.loop, forms(b.frame, b.parameters)
     stretches = list(loop.arcs())

@@ -78,7 +78,7 @@ class Loop:
         Raises
         ------
         LoopError
-            The radius is not positive, a number is not finite, or the plane is none.
+            The radius is not positive, a number is not finite, or the plane is invalid.
 
         Examples
         --------
@@ -95,12 +95,12 @@ class Loop:
         plane: Plane = (0, 1),
         name: str = "ellipse",
     ) -> Self:
-        """Ellipse with two semi-axes along the directions of a plane (vectors count as given).
+        """Ellipse with two semi-axes along the directions of a plane (vectors are not normalized).
 
         Raises
         ------
         LoopError
-            A semi-axis is not positive, a number is not finite, or the plane is none.
+            A semi-axis is not positive, a number is not finite, or the plane is invalid.
 
         Examples
         --------
@@ -152,12 +152,12 @@ class Loop:
         plane: Plane = (0, 1),
         name: str = "plaquette",
     ) -> Self:
-        """Parallelogram from a corner, one step along the first direction of a plane at first.
+        """Parallelogram from a corner; its first side is along the first direction of the plane.
 
         Raises
         ------
         LoopError
-            A step is zero, a number is not finite, or the plane is none.
+            A step is zero, a number is not finite, or the plane is invalid.
 
         Examples
         --------
@@ -379,7 +379,7 @@ class Loop:
 
     @property
     def gap(self) -> np.ndarray:
-        """Whole periods from its start to its end, shape (n,): zero where it closes as it is."""
+        """Whole periods from its start to its end, shape (n,): zero if it closes without them."""
         total = np.zeros(self.dimension)
         for part in self.parts:
             if part.gap:

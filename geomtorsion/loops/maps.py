@@ -120,7 +120,7 @@ def burgers_vectors(
     plane
         Two coordinates, or two vectors, which are made orthonormal in the coordinates.
     accuracy
-        Wanted relative error of each vector.
+        Requested relative error of each vector.
     executor
         Takes the loops in blocks: a pool of `concurrent.futures`, or a `dask.distributed.Client`.
         The result has the same bits for any number of workers.

@@ -36,7 +36,7 @@ MOST_LISTED = 100_000
 class Network:
     """Graph in the space of a frame: Burgers vectors of all cycles from one integral per edge.
 
-    frame: whose coframe is integrated: a `Frame`, or a `SampledFrame` that contains all edges.
+    frame: the `Frame` whose coframe is integrated, or a `SampledFrame` that contains all edges.
     graph: networkx graph whose nodes have coordinates, or an `EdgeList` of arrays; edges are
         straight in the coordinates.
     position: the node attribute that holds q^mu, shape (n,).

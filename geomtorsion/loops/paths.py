@@ -33,7 +33,7 @@ def develop_path(
 
     Returns
     -------
-    AffineMap: rotation and place of the frame at the end, seen from the frame at the start. The
+    AffineMap: rotation and position of the frame at the end, seen from the frame at the start. The
     development of a loop, seen from the end of the path, is `turn.seen_from(path)`.
 
     Raises
@@ -83,8 +83,8 @@ def develop_period(
     Parameters
     ----------
     points
-        Corners of the path, straight in the coordinates between them; the last one is the first
-        one again, whole periods later.
+        Corners of the path, straight in the coordinates between them; the last corner is the first
+        one shifted by whole periods.
     periods
         {coordinate or its name: period}.
 
@@ -96,11 +96,11 @@ def develop_period(
     ------
     LoopError
         The path does not end whole periods from its start, and the message names the gap; or a
-        period is none.
+        period is not positive.
 
     Examples
     --------
-    Round the tip of a cone that lacks a sixth, in polar coordinates:
+    Around the tip of a cone from which a sixth was cut out, in polar coordinates:
 
     >>> import math
     >>> from geomtorsion.geometry import levi_civita

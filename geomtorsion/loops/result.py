@@ -103,7 +103,7 @@ class BurgersVector(ByContent, Signed, FrameVector):
         return enclosed_defects(self.frame, self.loop, self.parameters)
 
     def in_coordinates(self, point: Sequence[float] | None = None) -> np.ndarray:
-        """E_i^mu(point) b^i, shape (n,); the point is the centre of the loop if not given.
+        """Coordinate components E_i^mu b^i at a point, shape (n,); None: the centre of the loop.
 
         Raises
         ------

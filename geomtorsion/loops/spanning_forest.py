@@ -133,7 +133,7 @@ def _edges_to(
 ) -> tuple[np.ndarray, np.ndarray]:
     """The edge from the node above to each node, -1 at roots, and its sense; shape (nodes,) each.
 
-    Of parallel edges the first is taken, the others become chords.
+    The first of parallel edges is taken, the others become chords.
     """
 
     def first(chosen: np.ndarray, ends: np.ndarray) -> np.ndarray:

@@ -164,7 +164,7 @@ class Checkpoint:
     ) -> Runner:
         """A function that computes the parts of one run, or reads them from the file.
 
-        fineness: so many times shorter are the parts.
+        fineness: the factor by which the parts are shorter.
         """
 
         pattern = 0 if roundings is None else roundings.pattern

@@ -61,14 +61,14 @@ class Ensemble:
     problem: the solved problem.
     times: shape (m,).
     errors: shape (number,), estimate of the largest relative error of each member, as in
-        `Solution.error`; not a number for members that were not verified or not finished.
+        `Solution.error`; NaN for members that were not verified or not finished.
     finished: shape (number,), True for members that reached the last time or were stopped.
     interrupted: whether it was stopped by Ctrl-C.
     engine, reason, tolerance: the engine, why it was chosen, and its finest tolerance.
     compile_seconds, run_seconds, check_seconds: as in `Cost`.
 
-    Arrays by name, as `ensemble["x"]`, have shape (number, m) or (number, m, k); they are not a
-    number where a member is not finished, and after its stop. `end` has the end of each member.
+    Arrays by name, as `ensemble["x"]`, have shape (number, m) or (number, m, k); they are NaN
+    where a member is not finished and after its stop. `end` has the last values of each member.
 
     Examples
     --------
@@ -128,12 +128,12 @@ class Ensemble:
 
     @property
     def times_at_stop(self) -> np.ndarray:
-        """Time at which a condition stopped each member, shape (number,); not a number for none."""
+        """Time at which a condition stopped each member, shape (number,); NaN if none did."""
         return self.rows.ends.times
 
     @property
     def stopped_by(self) -> np.ndarray:
-        """Condition that stopped each member, as text, shape (number,); empty for none."""
+        """Condition that stopped each member, as text, shape (number,); empty if none did."""
         texts = np.array([*self.problem.stop_texts, ""])
         return texts[self.rows.ends.stops]
 
@@ -324,9 +324,10 @@ def solve_many(
         runs the members: a pool of `concurrent.futures`, or a `dask.distributed.Client`. The result
         has the same bits for any number of workers.
 
-    Members that leave their chart, and those with long steps whose finer run differs altogether,
-    are solved one by one, as by `solve`. The others run in optimised code: with Taylor() they
-    differ from results of `solve` by rounding errors. Ctrl-C returns the finished members.
+    Members that leave their chart, and members with long steps whose finer run disagrees
+    completely, are solved one by one, as by `solve`. The others run in optimised code: with
+    Taylor() they differ from results of `solve` by rounding errors. Ctrl-C returns the finished
+    members.
 
     Raises
     ------

@@ -30,10 +30,10 @@ class EndMap:
 
     names: of the two numbers. first, second: their values, shapes (n,) and (m,).
     conditions: that may stop a motion, as text.
-    fate: shape (m, n): number of the condition that stopped each motion, -1 for one on its way at
-        the last time, -2 for one whose end depends on its error.
-    times: of the end of each motion, shape (m, n); not a number for -2.
-    errors: largest relative error of each motion, shape (m, n); not a number for -2.
+    fate: shape (m, n): number of the condition that stopped each motion; -1 if it still moves at
+        the last time, -2 if its end depends on its error (undecided).
+    times: of the end of each motion, shape (m, n); NaN where undecided.
+    errors: largest relative error of each motion, shape (m, n); NaN where undecided.
     """
 
     names: tuple[str, str]
@@ -46,7 +46,7 @@ class EndMap:
 
     @property
     def undecided(self) -> np.ndarray:
-        """Which motions have no end that is certain, shape (m, n)."""
+        """Motions whose end is not certain, shape (m, n)."""
         return self.fate == Fate.undecided
 
     @property

@@ -86,10 +86,10 @@ class ODE(ByContent):
     normalized: groups of states that form a unit vector, such as the four of a quaternion.
     name: used in tables and files.
     switches: conditions with changes.
-    resting: states that are parameters between such changes.
-    varied: names by which the last states are derivatives; see `with_derivatives`.
-    maker: what made the equations and can omit effects from them, or None; it does not count in
-        comparisons.
+    resting: states that are constant between these changes.
+    varied: names with respect to which the last states are derivatives; see `with_derivatives`.
+    maker: the object that made the equations and can omit effects from them, or None; comparisons
+        ignore it.
     centre: the pole of the rates beside which they start, for `prove`, or None.
 
     Examples
@@ -140,7 +140,7 @@ class ODE(ByContent):
         name: str = "",
         tables: Mapping[str, object] | None = None,
     ) -> ODE:
-        """Equations from what users give, checked once; names may be symbols of sympy.
+        """Equations from the input of a user, checked once; names may be symbols of sympy.
 
         Parameters
         ----------
@@ -169,9 +169,9 @@ class ODE(ByContent):
             groups of states whose errors are measured against their common size; by default
             those whose names differ in a number or in x, y, z at the end.
         normalized
-            groups of states of length one together, such as a quaternion: their length is kept.
+            groups of states that form a unit vector, such as a quaternion; their length is kept.
         name
-            what it is called.
+            name of the equations in tables and files.
         tables
             name -> `Table`, a function in all expressions: {"F": table} and "F(t)/m".
 
@@ -257,7 +257,7 @@ class ODE(ByContent):
 
     @cached_property
     def timed(self) -> list[tuple[At, int]]:
-        """Events with numbers for their times, in order, each with its place in `events`."""
+        """Events with numbers for their times, in order, each with its index in `events`."""
         return moments(self.events, self.parameters)
 
     # -- variants --------------------------------------------------------------------------------
@@ -550,7 +550,7 @@ class ODE(ByContent):
         return "stuck", list(self.rates.edges.values())[int(np.argmin(shares))]
 
     def first_stage(self, precision: int, perturbation: float) -> Stage:
-        """The motion from t = 0 on; perturbation: the part by which its numbers are changed."""
+        """The first part of the motion; perturbation: relative change of the start."""
         key = precision, perturbation
         if self.is_switched and key not in self._stages:
             self._stages[key] = Stages(self._switching, precision, perturbation).first()
@@ -672,7 +672,7 @@ class ODE(ByContent):
         return []
 
     def together(self, name: str) -> tuple[str, ...]:
-        """The states of one size with a state; empty for an output."""
+        """States whose errors share the size of a state; empty for an output."""
         groups = ([self.states[k] for k in group] for group in self.first_stage(53, 0.0).groups)
         return next((tuple(group) for group in groups if name in group), ())
 
@@ -793,10 +793,10 @@ class ODE(ByContent):
     ) -> dict[str, np.ndarray]:
         """Change of each invariant since the start, shape (m,).
 
-        Relative to the size of its terms, or to its change where states changed by their whole
-        size, if that is larger. So errors of states explain at most as large a change. After an
-        event the count restarts, because a push may change an invariant; jumps: further times at
-        which it restarts.
+        It is relative to the size of the terms of the invariant, or, if that is larger, to its
+        change if all states changed by their whole size. Relative errors of the states therefore
+        explain a change of at most this size. After an event the count restarts, because a push may
+        change an invariant; jumps: further times at which it restarts.
         """
         if not self.invariants or not len(times):
             return {}

@@ -200,17 +200,17 @@ class Solution:
     times: shape (m,), as requested, or 65 of them up to the requested time; they end where the
         motion was stopped.
     accuracy: the requested accuracy, relative to the size of the solution.
-    error: estimate of the largest error at `times`, each group of states (coordinates, frame
-        velocities, ...) against its own largest size; a group that is zero except for rounding
-        against the sum of the terms of its rates. Coordinates and velocities do not count at places
-        no further from the edge of their chart than the accuracy, where they have no definite
-        values (the angle at the origin). Quantities derived from the states, such as
-        velocities in coordinates or outputs, may have a smaller or larger error: see `error_of`; so
-        may be what `at` gives between the times: see `error_between`.
-    engine, reason: what solved it, and why that was chosen.
+    error: estimate of the largest error at `times`. The error of each group of states (coordinates,
+        frame velocities, ...) is relative to the largest size of the group, or, if the group is
+        zero except for rounding, to the sum of the terms of its rates. Coordinates and velocities
+        are skipped where the distance from the edge of their chart is within the accuracy, because
+        they have no definite values there (the angle at the origin). Quantities derived from the
+        states, such as velocities in coordinates or outputs, may have a smaller or larger error:
+        see `error_of`. The same holds for `at` between the times: see `error_between`.
+    engine, reason: the engine, and why it was chosen.
     cost: steps, evaluations, seconds.
     trajectory: the integration.
-    comparisons: the finer run with which it was compared, and one that was changed on the way where
+    comparisons: the finer run with which it was compared, and a run with changes on the way where
         roundings matter. The error is twice the first difference, or the first and a multiple of
         the second together, whichever is larger.
 
@@ -392,12 +392,12 @@ class Solution:
     # -- between the times -----------------------------------------------------------------------
 
     def at(self, time: Any) -> Moment:
-        """Everything at any time up to the last; arrays of times are welcome.
+        """Everything at any time up to the last, or at an array of times.
 
-        Between the times of the solution states are interpolated by the engine. `error` covers
-        only the times; `error_between` also covers these. Series (Taylor) are as good in
-        between; RungeKutta and Stiff interpolate to a lower order than they step, and may be
-        worse.
+        Between the times of the solution states are interpolated by the engine. `error` covers only
+        the times; `error_between` also covers values between them. Taylor series are as accurate
+        between the times; RungeKutta and Stiff interpolate to a lower order than they step, and may
+        be less accurate.
 
         Raises
         ------
@@ -439,9 +439,9 @@ class Solution:
         Parameters
         ----------
         term
-            the name of something that `at` gives, or an expression over such names, parameters
-            and the time. Coordinates of a curve refer to the chart of its problem, also on
-            parts that were computed in another chart, where they have a value there.
+            a name that `at` gives, or an expression over these names, parameters and the time.
+            Coordinates of a curve refer to the chart of its problem, also on parts that were
+            computed in another chart, where they have a value there.
         direction
             1: only upwards; -1: only downwards; 0: both.
 
@@ -552,10 +552,10 @@ class Solution:
 
     @cached_property
     def invariant_changes(self) -> Mapping[str, np.ndarray]:
-        """For each known invariant its change at each of `times`, shape (m,).
+        """Change of each known invariant at each of `times`, shape (m,), by name.
 
-        Relative to the size of its terms; not a number where it has no value, as on the edge of a
-        chart.
+        It is relative to the size of the terms of the invariant; NaN where the invariant has no
+        value, as on the edge of a chart.
         """
         first = self._with_end.count - len(self.times)
         changes = self.problem.invariant_changes(self._with_end)
@@ -563,11 +563,11 @@ class Solution:
 
     @cached_property
     def drift(self) -> Mapping[str, float]:
-        """For each known invariant its largest change, relative to the size of its terms.
+        """Largest change of each known invariant, relative to the size of its terms, by name.
 
-        For first-order equations its size is at least what it would change by if all states changed
-        by their whole size, as `error` counts them: errors of the states explain a drift up to
-        `error`, whatever the powers in an invariant are.
+        For first-order equations this size is at least the change of the invariant if all states
+        changed by their whole size, as `error` counts it. Errors of the states therefore explain a
+        drift up to `error`, for any powers in the invariant.
 
         The start always counts. After an event at a given time the count restarts, because a push
         may change an invariant.
@@ -578,11 +578,11 @@ class Solution:
         }
 
     def error_of(self, name: str) -> float:
-        """Estimate of the largest error at `times` of what a name gives, relative to its size.
+        """Estimate of the largest error at `times` of a named quantity, relative to its size.
 
         A state, coordinate or velocity is measured against the largest size in its group, such as
-        all velocities: `error` is the largest of these. An output is measured against its
-        own largest size, and may be known better or worse. Infinite where no finer run reached
+        all velocities: `error` is the largest of these. An output is measured against its own
+        largest size, and may have a smaller or larger error. Infinite where no finer run reached
         all of the times.
 
         Raises

@@ -111,13 +111,13 @@ class SavedSolution(Mapping[str, np.ndarray]):
 
     @cached_property
     def solution(self) -> Solution:
-        """The same integration again, equal to the bit on the same machine.
+        """The solution, integrated again; equal to the bit on the same machine.
 
         Raises
         ------
         StartError
-            it was a curve in a space, of which the file holds arrays only; or an engine of the
-            user's own made it.
+            it was a curve in a space, of which the file contains only arrays; or it was made by an
+            engine that this package does not contain.
         """
         if self.problem is None:
             raise StartError(
@@ -141,7 +141,7 @@ class SavedSolution(Mapping[str, np.ndarray]):
         )  # fmt: skip
 
     def at(self, time: Any) -> Moment:
-        """Everything at any time up to the last: it is integrated again on first use.
+        """Everything at any time up to the last; the first call integrates the problem again.
 
         Raises
         ------

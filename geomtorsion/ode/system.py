@@ -417,12 +417,12 @@ class Batch:
 class Engine(Protocol):
     """Integrates a system over given times, to a local tolerance.
 
-    The members below are all that the solver asks of an engine. An engine of a user's own works in
-    `solve`, `solve_many`, scenes, costs and checkpoints. Files keep its samples; only the engines
-    of this package are made again from a file to give values in between.
+    The solver uses only the members below. An engine that a user writes works in `solve`,
+    `solve_many`, scenes, costs and checkpoints. A saved solution has its samples, but only
+    solutions of the engines of this package can be integrated again from a file.
 
-    An engine with the attribute `changes_on_the_way = True` takes `changes` in `run`; its claims of
-    error then contain roundings on the way, not only at the start.
+    An engine with the attribute `changes_on_the_way = True` takes `changes` in `run`; error
+    estimates then include rounding errors of every step, not only of the start.
 
     An engine may have one more method, `batch(batch, tolerance) -> seconds of compilation`, which
     runs the members of a `Batch` at once; last digits may differ from `run`. `solve_many` calls it,
@@ -457,7 +457,7 @@ class Engine(Protocol):
         ...
 
     def rung(self, tolerance: float) -> float:
-        """A tolerance of its ladder that is near, so that few are compiled."""
+        """The nearest tolerance of its ladder, so that few integrators are compiled."""
         ...
 
     def finer(self, tolerance: float) -> float | None:
@@ -512,9 +512,9 @@ class Engine(Protocol):
             belong to the last time. Where `system.guard_at` falls through zero the run ends with
             outcome "edge": `reached` is the time of the root, and the samples are those before it.
             An engine that notices later that the guard fell may return "beyond"; the solver then
-            finds the root by the dense output. Where no step leads on the outcome is "stuck", with
-            `reason`. `longest_step` is the longest step in units of `times`; where it is infinite,
-            the solver takes more samples to see what steps may have missed.
+            finds the root by the dense output. Where no further step is possible the outcome is
+            "stuck", with `reason`. `longest_step` is the longest step in units of `times`; where it
+            is infinite, the solver takes more samples to see what steps may have missed.
 
         Raises
         ------

@@ -30,8 +30,8 @@ class Table(ByContent):
     places: shape (m,), increasing. values: shape (m,).
     interpolation: "cubic" (spline with two continuous derivatives), "monotone" (cubic without
         overshoot: PCHIP), "akima", "linear", or "steps" (each value holds up to the next place).
-    outside: the values before the first and behind the last row: "refuse" (a motion that gets
-        there raises an error) or "hold" (the first and the last value).
+    outside: the values before the first and after the last row: "refuse" (a motion that gets there
+        raises an error) or "hold" (the first and the last value).
 
     A solver restarts at each row, where a derivative of the function jumps.
 
@@ -41,7 +41,7 @@ class Table(ByContent):
         fewer than two rows, places that do not increase, numbers that are not finite, or an
         unknown interpolation.
     FileFormatError
-        a file has not two numbers in each row.
+        a row of the file does not consist of two numbers.
 
     Examples
     --------

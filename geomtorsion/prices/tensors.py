@@ -25,7 +25,7 @@ def tensor_offer(thing: Tensor | Torsion | Curvature, request: Request) -> Offer
     Raises
     ------
     ArgumentError
-        There is no point, or it has not one value for each coordinate.
+        There is no point, or it does not have one value for each coordinate.
     """
     if request.at is None:
         raise ArgumentError(

@@ -63,7 +63,7 @@ def closed_orbit(
         An ODE without the time in its rates, or a geodesic, autoparallel or constrained motion,
         which is written in its home chart.
     period
-        Rough guess of the period T > 0, which is searched between its half and its double.
+        Rough guess of the period T > 0; the search covers half of it to twice it.
     near
         Rough guess of the start, as for `ODE.with_start`; None: the start of the problem. States of
         a curve are its coordinates and u1, u2, ...
@@ -71,15 +71,15 @@ def closed_orbit(
         Expression (or When) that vanishes at the start, which chooses one point of the orbit; a
         list of several. None: the plane through `near` across the motion.
     symmetry
-        States that change sign under time reversal, or state -> value of its mirror. The orbit
-        starts on the mirror and returns to it after half a period; only this half is followed.
+        States that change sign under time reversal, or state -> value of its mirror. The orbit starts on the mirror and returns to it after half a period; only this
+        half is computed.
     conserved
         Names of invariants, or expressions, which keep the value that they have at `near`; or
         expression -> value. Closed orbits come in families where something is conserved: each such
         quantity needs a value, or a section instead where there is a symmetry.
     shift
-        State -> number by which it grows in one period, such as 2*pi for an angle; None for a
-        state on which nothing depends and which need not return.
+        State -> number by which it grows in one period, such as 2*pi for an angle; None for a state
+        that need not return because no rate depends on it.
     digits
         Number of digits of the start and the period, from 1 to 1000.
 

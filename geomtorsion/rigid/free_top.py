@@ -311,7 +311,7 @@ def free_top(moments: object, omega: object, quaternion: object = (1.0, 0.0, 0.0
     StartError
         A moment is not positive, a number is not finite or huge, or the quaternion not of length 1.
     ShapeError
-        A list does not have three numbers, or the quaternion not four.
+        A list is of the wrong length.
 
     Examples
     --------

@@ -18,11 +18,12 @@ from geomtorsion.same.scalars import is_constant
 
 @dataclass(frozen=True, repr=False)
 class Classification:
-    """Properties of a geometry that need no second geometry.
+    """Properties of one geometry, such as its symmetries, curvature and Petrov type.
 
     signature: the numbers of minus and of plus signs of the metric.
     growth: independent invariants at each order at which their number grows.
-    symmetries, isotropy: dimension of the symmetries, and of those that keep a generic point.
+    symmetries, isotropy: dimension of the symmetries, and of the symmetries that fix a generic
+        point.
     curvature: the constant sectional curvature K, R_abcd = K (g_ac g_bd - g_ad g_bc) up to the
         convention of signs; None: not constant, or undecided.
     scalar: the constant curvature scalar; None: not constant.
@@ -64,7 +65,7 @@ class Classification:
 
     @property
     def lines(self) -> tuple[str, ...]:
-        """The properties in words, the strongest only."""
+        """The properties in words, only the strongest."""
         words: list[str] = []
         if self.is_flat:
             name = {0: "Euclidean space", 1: "Minkowski space"}.get(self.signature[0], "")

@@ -29,33 +29,33 @@ def same_geometry(
 ) -> Equivalence:
     """Whether two frames, metrics or connections are one geometry in different coordinates.
 
-    The components of torsion and curvature and of their covariant derivatives, along legs, are all
-    the invariants there are. Exact ranks count the independent ones, order by order, until their
-    number stays [Cartan1946], [Karlhede1980]. A point of the second geometry is then searched at
-    which the invariants of a generic point of the first one recur; all of them are compared to 50
-    digits, up to the order after the last growth.
+    The components of torsion and curvature and of their covariant derivatives, along legs, are a
+    complete set of invariants. Exact ranks count the independent ones, order by order, until their
+    number no longer grows [Cartan1946], [Karlhede1980]. The search then looks for a point of the
+    second geometry with the same invariants as a generic point of the first. All invariants are
+    compared to 50 digits, up to the order after the last growth.
 
     Parameters
     ----------
     one, two
-        Frames, spaces or names of shipped ones; or two connections, which are compared together
-        with the metric. One name beside a frame or space is a family: values of its parameters
-        are searched, as in `spaces.identify`.
+        Frames, spaces or names of shipped spaces; or two connections, which are compared together
+        with the metric. A name that is compared with a frame or space is a family: values of its
+        parameters are searched, as in `spaces.identify`.
     keep
         "metric": metrics, whose legs are free. "teleparallel": frames whose legs may differ by a
         constant rotation or reflection. "legs": frames, leg by leg in their order. None:
-        "metric", or connections.
+        "metric"; with two connections, both metric and connection.
     orientation
-        True: maps that exchange left and right do not count. Legs in their order are right-handed;
-        where the legs are complex or come from a metric, coordinates in their order are.
+        True: only maps that keep the orientation count. The legs, in their order, are right-handed;
+        if they are complex or come from a metric, the coordinates are.
 
     Returns
     -------
     Equivalence: "same" with the largest difference, "different" with its proof, or "undecided".
-    It is local: it holds near generic points, and not for the shape in the large. Signs of
-    invariants are compared in the regions of both frames; otherwise formulas count wherever they
-    are regular.
-    Otherwise parameters of one name are one constant, to which a random rational value is given.
+    The verdict is local: it holds near generic points, not globally. Signs of invariants are
+    compared in the regions of both frames; otherwise formulas count wherever they are regular.
+    Except in a family, parameters with equal names are one constant, which gets a random rational
+    value.
 
     Raises
     ------

@@ -76,12 +76,12 @@ class Equivalence(ByContent):
 
     @property
     def reason(self) -> str:
-        """Why, in words."""
+        """Reason for the verdict, in words."""
         return self._outcome.reason
 
     @property
     def certainty(self) -> Certainty:
-        """How sure the verdict is.
+        """Certainty of the verdict.
 
         "different" is proved, up to the chance of error of ranks modulo a prime, or rests on signs
         that are proved in both regions. "same" is proved
@@ -93,12 +93,12 @@ class Equivalence(ByContent):
 
     @property
     def match(self) -> Match | None:
-        """The two points at which the invariants agree; None if none were found."""
+        """The two points at which the invariants agree; None if the search found no such points."""
         return self._outcome.match
 
     @property
     def difference(self) -> float | None:
-        """The largest relative difference of invariants at the matched points; None without."""
+        """The largest relative difference of invariants at the matched points, or None."""
         return None if self.match is None else self.match.difference
 
     @property
@@ -113,7 +113,7 @@ class Equivalence(ByContent):
 
     @property
     def isotropy(self) -> tuple[int, int]:
-        """The dimension of the turns at a generic point that no invariant fixes, for both."""
+        """Dimension of the isotropy group at a generic point: turns that keep all invariants."""
         return self.one.isotropy, self.two.isotropy
 
     @property

@@ -123,7 +123,7 @@ class Invariants(ByContent):
 
     @cached_property
     def _ranks(self) -> tuple[tuple[Growth, ...], Certainty]:
-        """The ranks at each order, and how sure they are."""
+        """The ranks at each order, and their certainty."""
         n, zero = self.frame.dimension, self.frame.field.zero
         echelon, steps = Echelon(self.frame.field, self.width), list[Growth]()
         places = [(j, i) for j, t in enumerate(self.start) for i in representatives(t)]
@@ -162,17 +162,17 @@ class Invariants(ByContent):
 
     @property
     def coordinates(self) -> int:
-        """The number of coordinates on which it depends: n minus the dimension of an orbit."""
+        """The number of coordinates on which the geometry depends: n minus the orbit dimension."""
         return self.frame.dimension - self.symmetries + self.isotropy
 
     @property
     def highest(self) -> int:
-        """The order up to which invariants must agree: the first at which their number stays."""
+        """The order up to which invariants must agree: the first without growth."""
         return len(self.growth)
 
     @property
     def certainty(self) -> Certainty:
-        """How sure the ranks are: they are taken at a random point modulo a prime."""
+        """Certainty of the ranks, which are taken at a random point modulo a prime."""
         return self._ranks[1]
 
     @cached_property

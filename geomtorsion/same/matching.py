@@ -25,7 +25,7 @@ WORKING = DIGITS + 15
 
 @dataclass(frozen=True, eq=False)
 class Match:
-    """Two points at which all invariants that were compared agree, or do not.
+    """Two points, and the difference of the compared invariants there.
 
     start, goal: coordinates of the first and of the second geometry.
     turn: turn[a, b], legs of the first in terms of legs of the second; None: fixed legs.

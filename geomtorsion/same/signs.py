@@ -19,7 +19,7 @@ class Contrast:
     """Why two geometries differ.
 
     text: the reason, with {first} and {second} for the two geometries.
-    certainty: how sure it is.
+    certainty: certainty of the reason.
     """
 
     text: str

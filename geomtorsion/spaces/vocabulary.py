@@ -197,7 +197,7 @@ def array(words: Vocabulary, key: str, value: object, rank: int, dimension: int)
     Raises
     ------
     FileFormatError
-        A level has not as many entries as there are coordinates, or an index is wrong.
+        The number of entries of a level differs from the dimension, or an index is wrong.
     ExpressionError
         An entry cannot be read; the message names it.
     """

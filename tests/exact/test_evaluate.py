@@ -21,7 +21,7 @@ def test_how_much_may_cancel(power: int, known: bool) -> None:
     if known:
         assert element.evaluate(place) == 0.5
     else:
-        with pytest.raises(SingularPointError, match="drowns in cancellation"):
+        with pytest.raises(SingularPointError, match="is lost in cancellation"):
             element.evaluate(place)
 
 

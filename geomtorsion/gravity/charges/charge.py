@@ -30,7 +30,8 @@ class Charge:
     conserved: whether the value is the same on every surface r = const; None if it is unknown.
     source: the exact derivative of the integrand, a density in all coordinates of a slice: the
         charges of two surfaces differ by its integral between them. 0 for a closed form, whose
-        charge is the same on any surface that can be moved there; None for "brown-york" and "adm".
+        charge is the same on any surface that can be deformed into this one; None for "brown-york"
+        and "adm".
     leaks: flux density through the ends of the coordinates of the surface, by coordinate; empty
         where the surface is closed for the integrand.
     assumed: assumptions, in words.
@@ -64,7 +65,7 @@ class Charge:
 
     @property
     def proved_by(self) -> str:
-        """How sure the value is, in words."""
+        """Certainty of the value, in words."""
         if self.is_exact:
             return "closed form, an exact integral by computer algebra"
         return f"ball arithmetic: the charge is within {self.error:.1g} of the value"
@@ -197,13 +198,15 @@ def charge(
 
     Equation
     --------
-    komar: M = -1/(8 pi) of *d xi, J = 1/(16 pi) of *d xi, closed where Ric(xi) = 0 [Komar1959]
-    noether: -1/(16 pi) of 2 P^abcd D_c xi_d - 4 xi_d D_c P^abcd, P = dL/dR_abcd [IyerWald1994]
-    teleparallel: P_k = -1/(8 pi) of dL/dT^{ab}_k [Maluf1994], positive for L = T
+    komar: M = -1/(8 pi) integral *d xi, J = 1/(16 pi) integral *d xi, closed where Ric(xi) = 0
+    [Komar1959]
+    noether: -1/(16 pi) integral (2 P^abcd D_c xi_d - 4 xi_d D_c P^abcd), P = dL/dR_abcd
+    [IyerWald1994]
+    teleparallel: P_k = -1/(8 pi) integral dL/dT^{ab}_k [Maluf1994], positive for L = T
     varied: dQ/dM of a Killing vector, in general relativity with Lambda [IyerWald1994]
-    brown-york: E = 1/(8 pi) of k0 - k [BrownYork1993]
-    adm: M = 1/(16 pi) of D^j h_ij - D_i h at infinity [ArnowittDeserMisner1962]
-    electric: Q = 1/(4 pi) of *dA
+    brown-york: E = 1/(8 pi) integral (k0 - k) [BrownYork1993]
+    adm: M = 1/(16 pi) integral (D^j h_ij - D_i h) at infinity [ArnowittDeserMisner1962]
+    electric: Q = 1/(4 pi) integral *dA
     with G = c = 1. Integrals run over a surface where time and radius are constant.
 
     Parameters
@@ -214,9 +217,10 @@ def charge(
         komar, noether, teleparallel, varied, brown-york, adm or electric.
     killing
         Name of a coordinate, or components xi^mu, shape (n,), of a Killing vector, for komar,
-        noether and varied. Along the surface it gives an angular momentum, of noether in every
-        theory L(R). The default is the first coordinate. A noether charge of the Killing vector
-        of a horizon is T S there, without the boundary term of a mass: M/2 for Schwarzschild.
+        noether and varied. A vector along the surface gives an angular momentum, with noether in
+        every theory L(R). The default is the first coordinate. The noether charge of the Killing
+        vector of a horizon is T S there, without the boundary term of a mass: M/2 for
+        Schwarzschild.
     surface
         The two constant coordinates, time first: "t r", or with values, {"r": 10}. The default is
         the first two.

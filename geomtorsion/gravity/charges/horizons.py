@@ -41,7 +41,7 @@ def horizons(
 
     Equation
     --------
-    S = -2 pi of dL/dR_abcd eps_ab eps_cd, L over 16 pi [Wald1993]: A/4 for L = R
+    S = -(1/8) integral dL/dR_abcd eps_ab eps_cd [Wald1993]: A/4 for L = R
     T = kappa/(2 pi), d(xi^2) = -2 kappa xi for the Killing vector xi of the horizon
 
     Parameters
@@ -53,9 +53,9 @@ def horizons(
         L(R), "R + c*R**2", "R + alpha*GB", as in `gravity.equations`.
     parameters
         Numbers for all parameters of frame and Lagrangian: the result then has one horizon for
-        each positive root, sorted. Roots of functions that are not algebraic are searched between
-        2^-45 and 2^45, and are proved to be all of them there. Without numbers it has one horizon
-        with one parameter expressed by the radius.
+        each positive root, sorted. For functions that are not algebraic the result has all roots
+        between 2^-45 and 2^45, which is proved. Without numbers it has one horizon with one
+        parameter expressed by the radius.
     surface, over
         As in `charge`.
 
@@ -66,7 +66,8 @@ def horizons(
     Raises
     ------
     GravityError
-        No horizon, no parameter can be expressed by its radius, or its surface gravity varies.
+        There is no horizon, no parameter can be expressed by its radius, or its surface gravity
+        varies.
 
     Examples
     --------

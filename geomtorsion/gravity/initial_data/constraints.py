@@ -86,7 +86,7 @@ def constraints(
         nodes are excised.
     extrinsic_curvature
         K_ij in coordinates, shape (d, d), of expressions, or an array (d, d, N_1, ..., N_d). The
-        default is zero (time symmetry), as 0 is; a surface has its own.
+        default is zero (time symmetry); 0 means the same. A surface has its own K_ij.
     density, momentum
         rho and j_i, an expression and d expressions; on a grid arrays (N_1, ...) and
         (d, N_1, ...), or a number and d numbers for the same value at all nodes.
@@ -109,7 +109,7 @@ def constraints(
     GravityError
         K is not symmetric.
     ArgumentError
-        K is given beside a surface.
+        Both K and a surface are given.
 
     Examples
     --------

@@ -66,14 +66,14 @@ class Slice:
 def read_slice(path: str | Path, order: int = 4) -> Slice:
     """Read initial data from an .npz or .h5 file of arrays.
 
-    metric of shape (d, d, N_1, ..., N_d) and one array axis_x, axis_y, ... for each axis, in the
-    order of `names` or of the arrays in the file. Optional arrays are extrinsic_curvature, density
-    and momentum, mask (1 or True at excised nodes), periodic, and the texts unit and source. In an
-    HDF5 file (.h5, .hdf5; extra `files`) the arrays are data sets, and names, periodic, unit and
-    source are attributes; names and periodic list axes, "x y z". Sizes are checked before memory is
-    allocated.
+    The file contains the array metric, shape (d, d, N_1, ..., N_d), and one array axis_x, axis_y,
+    ... for each axis, in the order of `names` or of the arrays in the file. Optional arrays are
+    extrinsic_curvature, density and momentum, mask (1 or True at excised nodes), periodic, and the
+    texts unit and source. In an HDF5 file (.h5, .hdf5; extra `files`) the arrays are data sets, and
+    names, periodic, unit and source are attributes; names and periodic list axes, "x y z". Sizes
+    are checked before memory is allocated.
 
-    order: of differences in the spacing, 2, 4, 6 or 8.
+    order: order of the difference formulas in the spacing, 2, 4, 6 or 8.
 
     Raises
     ------

@@ -31,7 +31,7 @@ class Shooting:
 
     values: free numbers by name. errors: estimates of their errors, absolute, which include the
         remainders.
-    misses: condition -> its value minus the demanded one. remainders: condition at infinity ->
+    misses: condition -> its value minus the required value. remainders: condition at infinity ->
         estimate of the error of its extrapolation from finite places.
     solution: from the start; outside: beyond the event at which it ends, or None.
     shots: number of solutions that Newton's iteration computed.
@@ -93,12 +93,12 @@ def shoot(
     accuracy: float = 1e-10,
     engine: Engine | None = None,
 ) -> Shooting:
-    """Solve field equations with values demanded at the end or at infinity, by shooting.
+    """Solve field equations with boundary values at the end or at infinity, by shooting.
 
-    Newton's iteration, the one of `gt.log_map`, changes the free numbers until the conditions hold.
-    Where a first guess does not lead there, the conditions are demanded at a nearer place first,
-    which then moves outwards. A value at infinity is extrapolated from the values at
-    the outer places by powers of the inverse of the variable; the remainder is the change of the
+    Newton's iteration, as in `gt.log_map`, changes the free numbers until the conditions hold. If
+    it does not converge from the first guess, the conditions are first required at a nearer place,
+    which then moves outwards. A value at infinity is extrapolated from the values at the outer
+    places by powers of the inverse of the variable; the remainder is the change of the
     extrapolation if the last place is omitted.
 
     Parameters
@@ -114,7 +114,7 @@ def shoot(
         "phi(oo)" is the limit at infinity.
     outside
         equations beyond the event that ends the first ones, such as the vacuum around a star; the
-        boundary values are demanded of their solution.
+        boundary values are then required of their solution.
     events
         as for `solve`, for the first equations.
     accuracy

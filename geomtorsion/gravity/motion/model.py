@@ -41,7 +41,7 @@ class Model:
     space: with unknown functions. equations: of the theory. conditions: further equations.
     start, parameters, near, origin, outputs: as for `gravity.solve`.
     end: the solution stops when this expression falls to zero; "": at the last time.
-    boundary, free: values demanded elsewhere, as for `gravity.shoot`; empty without any.
+    boundary, free: boundary values elsewhere, as for `gravity.shoot`; may be empty.
     """
 
     space: Space
@@ -122,7 +122,7 @@ def read_model(path: str | PathLike[str]) -> Model:
     end
         The solution stops when this expression falls to zero.
     boundary, free
-        Values demanded at the end or at infinity, {"phi(oo)" = 0}, and the names of the numbers of
+        Values required at the end or at infinity, {"phi(oo)" = 0}, and the names of the numbers of
         the start or the parameters that follow from them, ["A"]; as for `gravity.shoot`.
 
     Raises

@@ -37,14 +37,15 @@ def solve(
     Parameters
     ----------
     equations
-        field equations, or what `FieldEquations.reduce` made of them.
+        field equations, or the result of `FieldEquations.reduce`.
     variable
         the coordinate on which the functions depend.
     last
         its last value, or increasing values from the origin on.
     start
-        state -> number; those that are omitted follow from the constraints. The order counts only
-        for `gt.called_for`: a theory without some terms begins with the first numbers.
+        state -> number; omitted states follow from the constraints. The order matters only for
+        `gt.called_for`: a theory without some terms may need fewer numbers, and takes the first
+        ones.
     parameters
         name -> number.
     conditions

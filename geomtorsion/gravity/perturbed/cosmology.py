@@ -91,9 +91,9 @@ def check_signs(equations: FieldEquations) -> None:
 class TensorModes:
     """Gravitational waves on a flat cosmos: M^2 (h'' + friction h' - (c_T/a)^2 h_zz + m^2 h) = 0.
 
-    H(t) is the rate of expansion, a'/a. Functions such as f(T) stay unknown. Where parity is
-    violated, the waves are circular ones, h = exp(i k z), of helicity +1 or -1 (times two), and
-    the results contain the symbols helicity and k.
+    H(t) is the rate of expansion, a'/a. Functions such as f(T) stay unknown. If parity is violated,
+    the waves h = exp(i k z) are circularly polarized with helicity +2 or -2. The results then
+    contain the symbols k and helicity, which is +1 or -1.
 
     equations: field equations of the cosmos with the wave, at first order.
 
@@ -108,7 +108,7 @@ class TensorModes:
     equations: FieldEquations
 
     def check(self) -> None:
-        """Refuse waves of another order in time than two."""
+        """Refuse waves that are not of second order in time."""
         check_signs(self.equations)
         orders = self._parts.keys()
         if not orders:
@@ -194,7 +194,7 @@ class TensorModes:
 
     @cached_property
     def speed2(self) -> sp.Expr:
-        """The square of the speed of the waves, c_T^2; of the phase where it depends on k."""
+        """The squared speed of the waves, c_T^2; the phase speed where it depends on k."""
         if self.violates_parity:
             waves = self._circular(0) - self._circular(0).subs(WAVE_NUMBER, 0)
             return sp.factor(waves * SCALE**2 / WAVE_NUMBER**2 / self._circular(2))
@@ -336,7 +336,7 @@ def tensor_modes(
     lagrangian
         As in `gravity.equations`; functions such as f(R) stay unknown.
     geometry
-        "riemannian", "teleparallel" or "symmetric teleparallel". A `gravity.Lagrangian` knows its
+        "riemannian", "teleparallel" or "symmetric teleparallel". A `gravity.Lagrangian` has its
         own. Beside T or Q, the Lagrangian may contain Rbar: f(T, Rbar + T).
     scalars
         Names of scalar fields that depend on the time, "phi".
@@ -350,7 +350,7 @@ def tensor_modes(
 
     Examples
     --------
-    The speed of waves with the term of Gauss and Bonnet (Kobayashi et al. 2011).
+    The speed of waves with a Gauss-Bonnet term (Kobayashi et al. 2011).
 
     >>> from geomtorsion.gravity import perturbed
     >>> perturbed.tensor_modes("R/2 - X/2 + c*phi*GB", "riemannian", scalars="phi").speed2

@@ -47,9 +47,9 @@ SCALE, WAVE_NUMBER, DENSITY = sp.symbols("a k rho")
 class Growth:
     """Potentials of dust on a flat cosmos, inside the horizon: k^2 Psi / a^2 = -G rho delta / 2.
 
-    Time derivatives of the potentials are omitted (the quasi-static limit), and rates of the cosmos
-    against k/a and against masses. Rates that multiply the highest power of k remain, as in the
-    theories of Horndeski. Units have 8 pi G = 1 for L = R/2.
+    Omitted are time derivatives of the potentials (the quasi-static limit), and rates of the
+    cosmos, which are small compared with k/a and masses. Rates that multiply the highest power of k
+    remain, as in the theories of Horndeski. Units have 8 pi G = 1 for L = R/2.
 
     equations: field equations of the cosmos with the potentials, at first order.
     fields: the small change of each scalar field.
@@ -252,7 +252,8 @@ def growth(
     Raises
     ------
     GravityError
-        Another geometry, no unique potentials, or potentials that depend on rates of the cosmos.
+        The geometry is another one, the potentials are not unique, or they depend on rates of the
+        cosmos.
 
     Examples
     --------

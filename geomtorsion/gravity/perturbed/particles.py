@@ -39,7 +39,7 @@ FREQUENCY, WAVE_NUMBER = sp.symbols("w k")
 class Particle:
     """One kind of particle.
 
-    spin: of a massive particle; of a massless one the size of its helicity.
+    spin: spin of a massive particle, size of the helicity of a massless one.
     parity: +1 or -1; 0 where terms of both parities mix, and for massless particles.
     mass2: the square of the mass, a formula in the couplings; None where only `equation` is known.
         The particle is then one for each root.
@@ -418,11 +418,11 @@ def spectrum(
         derivatives in flat space: f_0, f_R, f_RR of f(R), where f_0 = 0 makes it a solution.
     geometry
         "riemannian", "teleparallel", "symmetric teleparallel", "poincare" (metric connection with
-        torsion) or "metric-affine". A `gravity.Lagrangian` knows its own.
+        torsion) or "metric-affine". A `gravity.Lagrangian` has its own.
     scalars
         Names of scalar fields, "phi" or "phi chi"; the first has the kinetic term X.
     vectors
-        How many vector fields A, with F2, F2_2, ...
+        Number of vector fields, which the Lagrangian names F2, F2_2, ...
     constants, invariants
         As in `gravity.equations`.
 

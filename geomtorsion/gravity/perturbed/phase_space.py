@@ -51,8 +51,8 @@ class DegreesOfFreedom:
     numbers: H(q), q = 0, 1, ...: Taylor coefficients of all fields up to order q that are free
         for nearby solutions. shorter: the same from series with one order less.
     gauge: pairs (number of gauge functions, derivatives with which they enter the fields).
-    place: order from which the numbers that are the same with one order less fit a phase space
-        and a gauge symmetry; None where they do not, or are too few for a check.
+    place: order from which the confirmed numbers fit a phase space and a gauge symmetry; None if
+        they do not fit, or are too few for a check.
     gaps: smallest singular value that counts in a rank, and largest that does not.
     residual: largest coefficient of the equations on the solution.
     branch: names of the invariants of the Lagrangian whose gradient vanishes at the point of the
@@ -82,7 +82,7 @@ class DegreesOfFreedom:
 
     @cached_property
     def reduced(self) -> tuple[int, ...]:
-        """H(q) less the coefficients of the gauge functions: the growth of the phase space."""
+        """H(q) minus the coefficients of the gauge functions: the growth of the phase space."""
         n = self.dimension
         return tuple(
             number - sum(m * math.comb(q + o + n, n) for m, o in self.gauge)
@@ -115,7 +115,7 @@ class DegreesOfFreedom:
 
     @property
     def is_clear(self) -> bool:
-        """Whether all ranks are sure: no singular value between rounding and half of the digits."""
+        """Whether all ranks are clear: no singular value between rounding and half the digits."""
         size = noise((max(self.numbers),))
         return self.gaps[0] > math.sqrt(size) and self.gaps[1] < 10 * size
 
@@ -227,10 +227,12 @@ def degrees_of_freedom(
     All fields are power series at a point. Newton's method finds a solution of all field equations
     up to an order, and the rank of the linearized equations gives H(q), the number of Taylor
     coefficients up to order q that are free for nearby solutions; hidden constraints are included.
-    A function of n variables in the solution adds (q + n over n) to H(q), and is gauge; a function
-    of n - 1 variables adds (q + n - 1 over n - 1). Two of these are a degree of freedom.
+    A free function of all n variables adds binomial(q + n, n) to H(q), and is gauge; a free
+    function of n - 1 variables adds binomial(q + n - 1, n - 1). Two functions of n - 1 variables
+    are one degree of freedom.
 
-    Nothing is proved: the count is that near one solution, in doubles, with clear ranks.
+    Nothing is proved: the count is numerical (doubles, with clear ranks) and holds near one
+    solution.
 
     Parameters
     ----------
@@ -238,12 +240,14 @@ def degrees_of_freedom(
         Text or a theory, as in `gravity.equations`.
     geometry
         "flat" (only matter varies), "riemannian", "teleparallel", "symmetric teleparallel" (in the
-        coincident gauge) or "poincare" (coframe and metric connection); the one of the theory.
+        coincident gauge) or "poincare" (coframe and metric connection); None: the geometry of the
+        theory.
     dimension
         2, 3 or 4; 4 takes minutes for theories of a coframe.
     near
         Frame of signature -++... near which the solution is searched, at its sample point, or an
-        earlier answer, whose fields are the start; without it flat space. Coordinates are its own.
+        earlier answer, whose fields are the start; None: flat space. Coordinates are the
+        coordinates of the frame.
     scalars
         Names of scalar fields, or names with formulas near which they are searched.
     vectors
@@ -254,9 +258,9 @@ def degrees_of_freedom(
         Values of the constants of the Lagrangian; others get a value, which `.assumed` lists.
     order
         Highest order of the power series; by default the dimension plus the order of the
-        equations, and one more where the count is not settled. H only falls where it grows.
+        equations, and one more where the count is not settled. A higher order can only lower H.
     seed
-        Of the random change of the start: equal calls give equal answers.
+        Seed of the random change of the start: equal calls give equal answers.
 
     Raises
     ------

@@ -88,7 +88,7 @@ class Mode:
 
 @dataclass(frozen=True, repr=False)
 class Ringing:
-    """How a static black hole rings: its modes, those damped least first.
+    """Quasi-normal modes of a static black hole, the least damped ones first.
 
     lagrangian: the theory. f: g_tt = -f, with its values.
     """
@@ -156,16 +156,16 @@ def ringing(
         f(R) has a scalar with the mass m^2 = f'/(3 f'') - R/3 of its own [Whitt 1984].
     frame
         A frame or space with the metric -f dt^2 + dr^2/f + r^2 dOmega^2, also with another time,
-        another rational radius or Cartesian coordinates. Test fields take another g_rr.
+        another rational radius or Cartesian coordinates. Test fields may have another g_rr.
     l
         Number of the spherical harmonic: from 2 for waves of the tetrad, 1 for light, 0 for
         scalars.
     parity
         "axial", "polar" or "both".
     modes
-        How many for each field and parity, those damped least. A field with a mass is followed
-        from m = 0: a mode whose damping has decreased to 0 on the way exists no longer, and the
-        next overtone is first [Ohashi, Sakagami 2004]. A mode that is missing is an error.
+        Number of modes for each field and parity, the least damped ones. Modes of a massive field
+        are followed from m = 0: a mode whose damping falls to 0 on the way exists no longer, and
+        the next overtone becomes the first [Ohashi, Sakagami 2004]. A missing mode raises an error.
     digits
         Digits of each frequency.
     parameters
@@ -183,7 +183,7 @@ def ringing(
         The frame is of another form or not a solution, the waves need more than two derivatives,
         or a scalar does not decouple.
     AccuracyError
-        The digits are not reached, or a mode that is damped less is missing or did not settle.
+        The digits are not reached, or a less damped mode is missing or did not converge.
 
     Examples
     --------

@@ -71,7 +71,7 @@ class ScalarModes:
     equations: FieldEquations
 
     def check(self) -> None:
-        """Refuse a theory without one scalar wave of second order."""
+        """Refuse a theory that does not have exactly one scalar wave, of second order."""
         check_signs(self.equations)
         orders = orders_of_cosmos(self.equations, self.equations.E, N)
         if orders.is_higher:
@@ -275,7 +275,7 @@ def scalar_modes(
     lagrangian
         As in `gravity.equations`; functions such as K(X) stay unknown, X = g^ab phi_a phi_b.
     geometry
-        "riemannian", which is also the geometry of a text. A `gravity.Lagrangian` knows its own.
+        "riemannian", which is also the geometry of a text. A `gravity.Lagrangian` has its own.
     scalars
         The name of the scalar field that depends on the time.
     constants, invariants
@@ -284,12 +284,12 @@ def scalar_modes(
     Raises
     ------
     GravityError
-        Another number of scalar fields than one, another geometry, no scalar wave, or waves that
-        obey an equation of higher order.
+        There is not exactly one scalar field, the geometry is another one, there is no scalar wave,
+        or waves obey an equation of higher order.
 
     Examples
     --------
-    A field with L = X^2 makes waves as radiation does (Garriga and Mukhanov 1999).
+    A field with L = X^2 has the speed of sound of radiation (Garriga and Mukhanov 1999).
 
     >>> from geomtorsion.gravity import perturbed
     >>> perturbed.scalar_modes("R/2 + X**2", scalars="phi").speed2

@@ -51,8 +51,8 @@ class PostNewtonian:
 
     lagrangian: the theory.
     build: (potential, order) -> the equations of a static field with this potential.
-    scalars: names of the scalar fields. couplings: symbols that may have values.
-    values: those that have one.
+    scalars: names of the scalar fields.
+    couplings: symbols that may have values. values: coupling -> its value, if it has one.
 
     Examples
     --------
@@ -180,7 +180,7 @@ class PostNewtonian:
 
     @property
     def gamma(self) -> sp.Expr:
-        """Curvature of space per mass; 1 in general relativity.
+        """Curvature of space per unit mass; 1 in general relativity.
 
         Raises
         ------
@@ -192,7 +192,7 @@ class PostNewtonian:
 
     @property
     def G(self) -> sp.Expr:
-        """Newton's constant of an experiment of Cavendish, in units in which L = R/2 has 1."""
+        """Newton's constant in a Cavendish experiment, in units in which L = R/2 has 1."""
         self._check_massless()
         return self.G_of_k
 
@@ -215,7 +215,7 @@ class PostNewtonian:
 
     @cached_property
     def beta(self) -> sp.Expr:
-        """How gravity adds to itself in g_tt; 1 in general relativity.
+        """Nonlinearity of gravity in g_tt; 1 in general relativity.
 
         Raises
         ------

@@ -241,10 +241,11 @@ class Reduction:
         origin: object = 0,
         reach: sp.Expr | None = None,
     ) -> tuple[sp.Expr, dict[str, sp.Expr]]:
-        """The value of the variable where numbers start, and all states there.
+        """The value of the variable where the integration starts, and all states there.
 
-        It is the origin, unless the equations have a pole there: then a power series leads a small
-        way from it, at most the reach if one is given. Other arguments as for `complete`.
+        It is the origin, unless the equations have a pole there. Then it is a small way from the
+        pole, at most `reach`, and a power series gives the states. Other arguments as for
+        `complete`.
 
         Raises
         ------
@@ -255,7 +256,7 @@ class Reduction:
         return place, dict(states)
 
     def beginning(self, start: Start) -> Beginning:
-        """A start with its numbers read: what `complete`, `begin`, `centre` and `ode` answer from.
+        """The start with its numbers read, for `complete`, `begin`, `centre` and `ode`.
 
         Raises
         ------
@@ -335,7 +336,7 @@ class Reduction:
         outputs: Mapping[str, object],
         events: Iterable[At | When],
     ) -> ODE:
-        """The same as `ode`, from a start that was read."""
+        """The same as `ode`, from the result of `beginning`."""
         place, states = beginning.first
         ode = self.ode_at(place, states, beginning.written, outputs, events)
         return replace(ode, centre=self._centre_of(beginning))

@@ -79,7 +79,7 @@ class Family:
 
     @cached_property
     def peak(self) -> Star | None:
-        """As `heaviest`, or None."""
+        """The heaviest star, or None where `heaviest` raises an error."""
         k = int(np.argmax(self["mass"]))
         if not 0 < k < len(self.stars) - 1:
             return None
@@ -190,8 +190,8 @@ def family(
     source, start, parameters, near, accuracy
         As for `star`.
     densities, pressures
-        Energy densities or pressures at the centres, in the units of the matter. Without both 21
-        stars, from light ones to such in which matter is relativistic.
+        Energy densities or pressures at the centres, in the units of the matter. Without both there
+        are 21 stars, from light stars to stars of relativistic matter.
 
     Raises
     ------

@@ -158,7 +158,7 @@ def polytropes(
     units: str = "geometric",
     name: str = "",
 ) -> EquationOfState:
-    """Cold matter by polytropes p = K r^Gamma of the rest-mass density r, piece by piece.
+    """Cold matter from pieces of polytropes, p = K r^Gamma with the rest-mass density r.
 
     Equation
     --------

@@ -69,15 +69,15 @@ def equation_of_state(
     source
         A CSV file with a column of pressures and a column of energy densities, both increasing and
         positive; the columns are found by the names p or pressure and rho, e, eps, density or
-        energy_density in the first row, without names the pressure is the first. Or such rows,
-        shape (m, 2). Or the name of matter of Read et al. (2009): SLy, APR4, WFF1, ENG, MPA1, MS1
-        or H4.
+        energy_density in the first row; without names the pressure is the first column. Or the rows
+        as an array, shape (m, 2). Or the name of matter of Read et al. (2009): SLy, APR4, WFF1,
+        ENG, MPA1, MS1 or H4.
     units
-        Of the numbers that are read and given, as for `polytropes`; by default "geometric" for a
-        table, and "cgs" for published matter.
+        Units of all numbers that are read and returned, as for `polytropes`; by default "geometric"
+        for a table, and "cgs" for published matter.
     interpolation
-        "monotone" or "cubic": how the logarithm of the density follows the one of the pressure
-        where the enthalpy is integrated.
+        "monotone" or "cubic": interpolation of the logarithm of the density over the logarithm of
+        the pressure, for the integral of the enthalpy.
 
     Raises
     ------

@@ -160,7 +160,7 @@ class FieldEquations:
         return tuple(self._named.symbols.values())
 
     def at(self, point: Mapping[Any, Any], samples: SampledFrame | None = None) -> EquationValues:
-        """E, C, M and the matter equations as numbers at a point, without expressions of them.
+        """E, C, M and the matter equations as numbers at a point, without symbolic expressions.
 
         The formulas run on power series of the frame at the point, in ball arithmetic, so that a
         frame of long expressions takes as long as a short one, and errors are bounds.
@@ -169,7 +169,8 @@ class FieldEquations:
         ----------
         point
             Value of each coordinate, parameter and constant of the Lagrangian, by symbol or name;
-            a float has its binary value. Lists and arrays are points one by one, of one shape.
+            a float has its binary value. Lists and arrays of one shape have an entry for each
+            point.
         samples
             A coframe on a grid, which replaces the coframe of these equations. The values belong to
             its nodes, and point holds constants only.
@@ -177,7 +178,7 @@ class FieldEquations:
         Raises
         ------
         CoordinateError, ShapeError
-            A name is unknown here, a value is not finite, or lists have no common shape.
+            A name is unknown, a value is not finite, or lists have no common shape.
         MissingValueError
             A symbol has no value.
         SingularPointError
@@ -527,7 +528,7 @@ class FieldEquations:
         """E_(ij) = (E_ij + E_ji)/2, slots DD: the symmetric part of the coframe equation.
 
         E[i, j] + E[j, i] of the mixed components is another sum: it vanishes for i = 0, j > 0
-        wherever E_ij is symmetric, because index 0 changes its sign where it moves.
+        wherever E_ij is symmetric, because index 0 changes its sign where it is lowered.
         """
         return self._printed(symmetric_part(self.E))
 
@@ -677,7 +678,7 @@ class FieldEquations:
 
     @cached_property
     def inner(self) -> tuple[str, ...]:
-        """Invariants inside of functions of the Lagrangian with values, as T in exp(c*T)."""
+        """Invariants inside known functions of the Lagrangian, such as T in exp(c*T)."""
         expression = self._named.expression
         functions = expression.atoms(sp.Function) - expression.atoms(AppliedUndef)
         functions |= {x for x in expression.atoms(sp.Pow) if not x.exp.is_Integer}
@@ -745,13 +746,13 @@ def equations(
     constants
         Names of other constants, "alpha beta". Lambda needs no declaration.
     invariants
-        Invariants of your own, beside the named ones, made by `gravity.invariant`.
+        User-defined invariants, made by `gravity.invariant`.
 
     Raises
     ------
     GravityError
-        The Lagrangian has an unknown name, a matter field does not occur in it, the connection
-        is not of the theory, or all invariants vanish for such a connection.
+        The Lagrangian has an unknown name, a matter field does not occur in it, the connection does
+        not belong to the theory, or all invariants vanish for this connection.
 
     Examples
     --------

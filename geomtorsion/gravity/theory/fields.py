@@ -186,8 +186,8 @@ class FrameFields:
     def divergence(self, tensor: Tensor, *, paired: bool = False) -> Tensor:
         """(1/e) D_m(e X^{m...}), the first slot U; paired: X^{mn...} is antisymmetric in mn.
 
-        Of a pair in the frame E_a(X^{an}) + C_ab^b X^{an} - C_ab^n X^{ab} / 2, where the connection
-        acts only on the other indices.
+        Paired, it is E_a(X^{an}) + C_ab^b X^{an} - C_ab^n X^{ab} / 2 in the frame, where the
+        connection acts only on the other indices.
         """
         frame, n = self.frame, self.frame.dimension
         get, omega = tensor.components.get, self.omega.components.get

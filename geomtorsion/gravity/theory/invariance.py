@@ -34,7 +34,7 @@ Vectors = Symmetries | Iterable[object] | None
 
 
 def invariant_torsion(frame: FrameLike, vectors: Vectors = None, name: str = "u") -> Tensor:
-    """The most general torsion S_ab^c that Killing vectors keep, slots DDU, in the frame.
+    """The most general torsion S_ab^c that is invariant under Killing vectors, slots DDU.
 
     It contains unknown functions u1, u2, ... of the coordinates that the vectors do not change, or
     constants if there are none. `gt.from_torsion` makes the metric connection of it.
@@ -46,8 +46,8 @@ def invariant_torsion(frame: FrameLike, vectors: Vectors = None, name: str = "u"
     Parameters
     ----------
     vectors
-        Killing vectors xi^a in coordinates, shape (m, n), or `gravity.symmetries(frame)`; the
-        default are all Killing vectors of the metric that are found.
+        Killing vectors xi^a in coordinates, shape (m, n), or `gravity.symmetries(frame)`; by
+        default all Killing vectors that are found for the metric.
     name
         Beginning of the names of the unknown functions.
 
@@ -77,7 +77,7 @@ def invariant_torsion(frame: FrameLike, vectors: Vectors = None, name: str = "u"
 
 
 def invariant_connection(frame: FrameLike, vectors: Vectors = None, name: str = "u") -> Connection:
-    """The most general connection that Killing vectors keep, with torsion and nonmetricity.
+    """The most general connection that is invariant under Killing vectors.
 
     Equation
     --------

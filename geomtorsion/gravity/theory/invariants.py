@@ -215,7 +215,7 @@ def new_name(entry: object, subject: str) -> str:
 
 
 def invariant(name: str, formula: str) -> Invariant:
-    """An invariant of your own, as a sum of products of tensors with indices.
+    """A user-defined invariant, a sum of products of tensors with indices.
 
     Each index occurs twice, once up and once down. `R_ab` is the Ricci tensor R_cab^c, `R` its
     trace, `G_ab` = R_ab - R g_ab/2, `v_a` = T_ab^b, `V_ab` = R_abc^c, `Q_a` = Q_ab^b and
@@ -232,7 +232,7 @@ def invariant(name: str, formula: str) -> Invariant:
     Raises
     ------
     ExpressionError
-        The formula has a sign, a tensor or an index that has no meaning.
+        The formula contains an unknown sign, tensor or index.
     GravityError
         The name has a meaning in Lagrangians already.
 

@@ -67,7 +67,7 @@ class Lagrangian:
     name: of the theory, for messages.
     constants: names of constants used elsewhere than as factors, such as exponents, "n v" or a
         tuple.
-    invariants: invariants besides those with a name, of `gravity.invariant`.
+    invariants: user-defined invariants, from `gravity.invariant`.
 
     Examples
     --------

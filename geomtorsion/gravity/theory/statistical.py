@@ -25,7 +25,8 @@ def statistical(
     Parameters
     ----------
     metric
-        A frame; of a family of distributions its Fisher metric: `Frame.from_metric`.
+        A frame; for a family of distributions the frame of its Fisher metric, by
+        `Frame.from_metric`.
     cubic
         C_abc, totally symmetric: nested lists, shape (n, n, n), or a tensor with slots ddd.
     alpha

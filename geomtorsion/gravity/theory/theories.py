@@ -20,7 +20,9 @@ gauss_bonnet = Lagrangian("GB", "riemannian", "Gauss-Bonnet")
 
 
 def new_gr(c1: Number, c2: Number, c3: Number) -> Lagrangian:
-    """L = c1 T1 + c2 T2 + c3 T3 (Hayashi, Shirafuji 1979); (1/4, 1/2, -1) is TEGR.
+    """New general relativity, L = c1 T1 + c2 T2 + c3 T3 (Hayashi, Shirafuji 1979).
+
+    (c1, c2, c3) = (1/4, 1/2, -1) is TEGR.
 
     Examples
     --------
@@ -36,10 +38,10 @@ def new_gr(c1: Number, c2: Number, c3: Number) -> Lagrangian:
 
 
 def f_of(invariants: str | Sequence[str], f: object = "f") -> Lagrangian:
-    """L = f(T), f(Q), f(R) or f of several invariants; f a name, a sympy function or a lambda.
+    """Theory with L = f(T), f(Q), f(R) or f of several invariants.
 
-    f(T) is teleparallel, f(Q) symmetric teleparallel, f(R) and f(GB) use only the metric. All other
-    invariants accept any connections.
+    f is a name, a sympy function or a lambda. f(T) is teleparallel, f(Q) symmetric teleparallel;
+    f(R) and f(GB) use only the metric. All other invariants accept any connections.
 
     Examples
     --------
@@ -78,7 +80,7 @@ def poincare(
     axial: Number = 0,
     curvature: Sequence[Number] = (0,) * 6,
 ) -> Lagrangian:
-    """L = a (R - 2 Lambda) + squares of the parts of torsion and of curvature.
+    """Poincare gauge theory: a (R - 2 Lambda) + squares of the parts of torsion and curvature.
 
     Parameters
     ----------
@@ -111,7 +113,7 @@ def poincare(
 
 
 def holst(barbero_immirzi: Number = "gamma") -> Lagrangian:
-    """L = R - eps^abmn R_abmn / (2 gamma) (Holst 1996), in four dimensions.
+    """Holst's theory, L = R - eps^abmn R_abmn / (2 gamma) (Holst 1996), in four dimensions.
 
     Examples
     --------

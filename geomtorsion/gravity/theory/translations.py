@@ -16,7 +16,7 @@ HALF, QUARTER = Fraction(1, 2), Fraction(1, 4)
 
 @dataclass(frozen=True)
 class Translation:
-    """One symbol of another source.
+    """A symbol of another paper or program, with its translation.
 
     source: paper, review or program.
     theirs: the symbol with its indices, in the order of the source.

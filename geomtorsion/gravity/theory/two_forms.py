@@ -142,7 +142,7 @@ def kalb_ramond(potential: Sequence[sp.Expr | str]) -> KalbRamond:
     Raises
     ------
     GravityError
-        By `equations`, where the number of entries does not fit the frame.
+        (from `equations`) The number of entries does not fit the frame.
 
     Examples
     --------

@@ -189,7 +189,7 @@ def checked_height(height: object, values: np.ndarray) -> np.ndarray | None:
     Raises
     ------
     GridError
-        The displacement has not three rows over two axes, or the height has another shape.
+        The displacement does not have 3 rows over 2 axes, or the height has another shape.
     """
     if height is None:
         return None

@@ -202,7 +202,7 @@ class SampledFrame(Samples):
         UnknownNameError
             There is no quantity of this name.
         GridError
-            The frame has not as many rows as axes, or the grid is too small for twice the step.
+            The numbers of rows and axes differ, or the grid is too small for twice the step.
         SingularPointError
             The coframe is singular at a node.
 

@@ -112,7 +112,7 @@ def crystal_analysis_text(
     Raises
     ------
     NetworkError
-        The network has no box, or b has not three components.
+        The network has no box, or b does not have three components.
     """
     if lines.box is None:
         raise NetworkError(

@@ -106,7 +106,7 @@ def vtk_text(curves: Sequence[Polyline]) -> str:
     Raises
     ------
     NetworkError
-        b has not three components.
+        b does not have three components.
     """
     for curve in curves:
         if len(curve.burgers) != 3:

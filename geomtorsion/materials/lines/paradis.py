@@ -294,7 +294,7 @@ def paradis_text(lines: LineArrays) -> str:
     Raises
     ------
     NetworkError
-        The network has no box along the coordinates, b has not three components, or a line is
+        The network has no box along the coordinates, b is not of three components, or a line is
         longer than half a period: a reader of the file cannot distinguish it from a shorter one.
     """
     box = lines.box

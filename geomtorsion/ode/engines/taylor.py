@@ -279,10 +279,9 @@ class Taylor:
 
     precision: bits of the mantissa: 53 (double), 64 (long double), 113 (quadruple) to 400.
     max_steps: a run that needs more steps raises an error.
-    optimised: whether all steps have optimised code, with other last bits. To compile it takes a
-        few tenths of a second, which it saves again after some hundred thousand steps of one or of
-        many motions. Without it, a run has optimised code after 150,000 steps (37,500 above 64
-        bits).
+    optimised: whether all steps run optimised code, which changes the last bits. Its compilation
+        takes a few tenths of a second, so it pays after some hundred thousand steps of one or many
+        motions. Without it, a run has optimised code after 150,000 steps (37,500 above 64 bits).
 
     Raises
     ------
@@ -373,7 +372,7 @@ class Taylor:
         width: int = 0,
         backward: bool = False,
     ) -> tuple[Compiled, float]:
-        """The compiled integrator of a system, kept or made now; the seconds that it took."""
+        """The compiled integrator of a system, new or kept, and the seconds of compilation."""
         order, bits = order_of(tolerance), self.precision
         hoisted = system.hoisted
         shared, seconds = _compiled(
@@ -414,7 +413,7 @@ class Taylor:
         return run
 
     def batch(self, batch: Batch, tolerance: float) -> float:
-        """See `Engine`: several members in one instruction."""
+        """See `Engine`: several members in one vector instruction."""
         width = int(heyoka().recommended_simd_size()) * (2 if batch.states.shape[1] <= FEW else 1)
         backward = bool(batch.times[-1] < batch.times[0])
         compiled, compiling = self.compiled(batch.system, tolerance, width=width, backward=backward)

@@ -105,7 +105,7 @@ def symmetries(frame: FrameLike, keep: str | Connection = "metric") -> Symmetrie
 
 
 def killing_equations(frame: FrameLike) -> tuple[sp.Eq, ...]:
-    """The equations (L_xi g)_ab = 0, a <= b, of unknown components xi^a of all coordinates.
+    """Killing equations (L_xi g)_ab = 0, a <= b, for unknown functions xi^a of the coordinates.
 
     Equation
     --------
@@ -187,8 +187,8 @@ class Symmetries:
     def algebra(self) -> LieAlgebra:
         """The Lie algebra of all symmetries, exact, from their values at one point.
 
-        Its basis are the `vectors` if all have a closed form. Otherwise each basis element has one
-        of the values that are free at the point equal to 1, and the others equal to 0.
+        Its basis consists of the `vectors` if all have a closed form. Otherwise each basis element
+        has one of the values that are free at the point equal to 1, and the others equal to 0.
 
         Equation
         --------
@@ -262,7 +262,7 @@ class Symmetries:
 
     @cached_property
     def waves(self) -> dict[sp.Symbol, list[sp.Expr]]:
-        """Functions of the coordinates of which the metric is free."""
+        """Functions of the coordinates on which the metric does not depend."""
         metric = self if self.connection.kind == "levi-civita" else self._metric
         return waves(self.frame, metric._point)
 

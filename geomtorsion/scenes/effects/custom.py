@@ -56,7 +56,7 @@ class Custom(Effect):
     Raises
     ------
     SceneError
-        a vector has not three components, a state has no start or the reverse, axes or a
+        a vector is not of three components, a state has no start or the reverse, axes or a
         switched name is unknown.
     ExpressionError
         an expression cannot be read, holds an unknown name, or is code.

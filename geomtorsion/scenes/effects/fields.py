@@ -62,7 +62,7 @@ def check_vectors(effect: Effect, *names: str) -> None:
     Raises
     ------
     SceneError
-        One has not three components.
+        A vector does not have three components.
 
     Examples
     --------

@@ -33,7 +33,7 @@ class Magnet(Effect):
     Raises
     ------
     SceneError
-        a vector has not three components, or the field depends on more than the time.
+        a vector does not have three components, or the field depends on more than the time.
     ExpressionError
         an expression cannot be read, or is code.
 

@@ -35,7 +35,7 @@ class Thrust(Effect):
     Raises
     ------
     SceneError
-        a vector has not three components, a time is not a number, the end is before the start.
+        a vector or a time is invalid, or the end is before the start.
     ExpressionError
         an expression cannot be read, or is code.
 
@@ -87,7 +87,7 @@ class BodyMoment(Effect):
     Raises
     ------
     SceneError
-        the torque has not three components, a time is not a number, the end is before the start.
+        the torque or a time is invalid, or the end is before the start.
     ExpressionError
         an expression cannot be read, or is code.
 

@@ -137,6 +137,96 @@ def test_a_less_damped_wave_that_stalls(monkeypatch: pytest.MonkeyPatch) -> None
         perturbed.ringing("-X/2", "schwarzschild", l=1, parameters=MASS)
 
 
+@pytest.mark.parametrize(
+    ("l", "mass2", "start"),
+    [
+        (1, "1/5", 0.3833 - 0.0337j),
+        (2, "1/2", 0.6507 - 0.0314j),
+        (3, "1", 0.9286 - 0.026j),
+        # The damping of the first mode is 0 before this mass; it exists no longer.
+        (1, "3/10", 0.2609 - 0.2198j),
+    ],
+)
+def test_a_heavy_field(l: int, mass2: str, start: complex) -> None:  # noqa: E741
+    """The first mode, and not its overtone, by a long series of Leaver."""
+    (mode,) = heavy(l, mass2)
+    series = [schwarzschild(l, start, mass2=sp.Rational(mass2), count=n) for n in (800, 1200)]
+    assert abs(mode.omega - series[1]) < mode.error + abs(series[1] - series[0])
+
+
+def heavy(l: int, mass2: str, modes: int = 1) -> tuple[perturbed.Mode, ...]:  # noqa: E741
+    numbers = {"M": 1, "m2": mass2}
+    return perturbed.ringing(
+        "-X/2 - m2*phi**2/2", "schwarzschild", l=l, modes=modes, digits=5, parameters=numbers
+    ).modes
+
+
+def test_a_mode_that_is_almost_undamped() -> None:
+    """The damping of the first mode decreases to 0, and it is the first until then."""
+    modes = [heavy(1, mass2)[0].frequency for mass2 in ("1/4", "57/200")]
+    assert 0 < -modes[1].imag < -modes[0].imag / 20
+    assert 0 < modes[1].real - modes[0].real < 0.02
+
+
+def test_overtones_of_a_heavy_field_are_in_order() -> None:
+    first, second = heavy(2, "1/2", 2)
+    assert abs(first.frequency - heavy(2, "1/2")[0].frequency) < first.error
+    assert abs(second.frequency - (0.530309 - 0.169125j)) < 1e-6
+
+
+def test_the_heavy_scalar_of_f_of_r() -> None:
+    """m^2 = 1/(6 c) = 1/5."""
+    rings = perturbed.ringing(
+        "R + c*R**2", "schwarzschild", l=1, parameters={"M": 1, "c": "5/6"}
+    )  # fmt: skip
+    assert abs(rings.modes[0].frequency - heavy(1, "1/5")[0].frequency) < 1e-8
+
+
+def test_a_first_mode_that_the_coarse_grids_miss(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Without the first rough frequency the overtone settles, and is refused as the first mode."""
+    found = frequencies.rough
+    monkeypatch.setattr(
+        frequencies, "rough", lambda radial: found(radial)[radial.mass2 != 0 :]
+    )  # fmt: skip
+    with pytest.raises(AccuracyError, match=r"none near 0\.383 - 0\.0337 i"):
+        heavy(1, "1/5")
+
+
+def test_a_first_mode_without_mass_that_the_coarse_grids_miss(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    """An overtone has three times the damping of waves near the light ring, 1/(6 sqrt 3)."""
+    found = frequencies.rough
+    monkeypatch.setattr(frequencies, "rough", lambda radial: found(radial)[1:])
+    with pytest.raises(AccuracyError, match=r"about 0\.0962.* got 0\.264 - 0\.306 i"):
+        perturbed.ringing("-X/2", "schwarzschild", l=1, parameters=MASS)
+
+
+@pytest.mark.parametrize("false", [0.31 - 0.05j, 0.4 - 0.09j])
+def test_a_less_damped_wave_that_does_not_settle(
+    monkeypatch: pytest.MonkeyPatch, false: complex
+) -> None:
+    """A rough frequency that is lost on finer grids is no reason to return the others."""
+    found = frequencies.rough
+    monkeypatch.setattr(frequencies, "rough", lambda radial: [false, *found(radial)])
+    with pytest.raises(AccuracyError, match="did not settle"):
+        perturbed.ringing("-X/2", "schwarzschild", l=1, parameters=MASS)
+
+
+def test_a_less_damped_wave_that_stalls(monkeypatch: pytest.MonkeyPatch) -> None:
+    """The first mode, with changes that do not decrease, is no reason to return its overtone."""
+    refine = frequencies.Candidate.refine
+
+    def noisy(one: frequencies.Candidate, matrices: object) -> None:
+        refine(one, matrices)  # type: ignore[arg-type]
+        if one.changes and one.frequency.imag > -0.2:
+            one.changes[-1] = 1e-4
+
+    monkeypatch.setattr(frequencies.Candidate, "refine", noisy)
+    with pytest.raises(AccuracyError, match=r"near 0\.293 - 0\.0977 i that did not settle"):
+        perturbed.ringing("-X/2", "schwarzschild", l=1, parameters=MASS)
+
+
 def test_the_scalar_of_f_of_r_rings_beside_the_tetrad() -> None:
     """R + c R^2 has a scalar with m^2 = 1/(6 c), and the tetrad rings as in general relativity."""
     rings = perturbed.ringing(
