@@ -1,4 +1,4 @@
-"""Examples of help texts: each is a valid command line, and those without files of a user run."""
+"""Examples of help texts and pages: each is a valid command line; those without own files run."""
 
 import re
 import shlex
@@ -68,6 +68,37 @@ def test_an_example_is_a_valid_command_line(line: str) -> None:
     words = shlex.split(line)[len(name.split()) :]
     if not hasattr(command, "list_commands"):
         assert command.make_context(name, words).info_name == name
+
+
+ROOT = Path(__file__).parent.parent.parent
+PAGES = (ROOT / "README.md", *sorted((ROOT / "examples").rglob("*.md")))
+
+
+def page_lines(page: Path) -> list[str]:
+    """Command lines of a page: in code blocks, and in text between backticks."""
+    text = page.read_text("utf-8").replace("\\\n", " ")
+    blocks = "".join(re.findall(r"^```.*?^```", text, re.MULTILINE | re.DOTALL))
+    lines = re.findall(r"^(?:\$ |!\S+ -m )?geomtorsion +(.*)$", blocks, re.MULTILINE)
+    return [*lines, *(" ".join(x.split()) for x in re.findall(r"`geomtorsion\s+([^`]+)`", text))]
+
+
+LINES = sorted({line for page in PAGES for line in page_lines(page)})
+
+
+@pytest.mark.parametrize("line", LINES)
+def test_a_command_line_of_a_page_is_valid(line: str) -> None:
+    """The command exists, its options exist, and their values are of their kinds."""
+    assert len(LINES) > 100
+    table = all_commands()
+    words = shlex.split(re.split(r"\s[#|>]", line)[0])
+    if words[0].startswith("-") or words[0] == "COMMAND":
+        return
+    name = " ".join(words[:2]) if " ".join(words[:2]) in table else words[0]
+    rest = words[len(name.split()) :]
+    assert name in table
+    # Some sentences only name a command.
+    if rest and not hasattr(table[name], "list_commands"):
+        assert table[name].make_context(name, rest).info_name == name
 
 
 @pytest.fixture
