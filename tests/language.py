@@ -52,8 +52,8 @@ PATTERNS: dict[str, tuple[str, str]] = {
     "asked for": (r"\basked\s+for\b", "requested"),
     "in the place of": (r"\bin the place of\b|\bin place of\b", "instead of"),
     "anew": (r"\banew\b", "again, restart"),
-    "go on": (r"\b(?:go|goes|going|went|gone) on\b", "continue, resume"),
-    "left out": (r"\b(?:leave|leaves|left|leaving) out\b", "omit"),
+    "go on": (r"\b(?:[Gg]o|goes|going|went|gone) on\b", "continue, resume"),
+    "left out": (r"\b(?:[Ll]eave|leaves|[Ll]eft|leaving) out\b", "omit"),
     "that of": (r"\b[Tt](?:hat|hose) of\b|\b[Tt]he same of\b", "name the thing"),
     "film": (r"\bfilms?\b", "animation"),
     "floor": (
@@ -65,6 +65,10 @@ PATTERNS: dict[str, tuple[str, str]] = {
     "has not one": (
         r"\b(?:has|have|had) not (?:an?|the|one|two|three|four|as|n|its|their|enough|any)\b",
         "does not have",
+    ),
+    "that they are": (
+        r"\b(?:numbers?|fractions?|ratio|arrays?) that (?:they|it) (?:are|is)\b",
+        "exact fractions",
     ),
     "drowns": (r"\bdrowns?\b", "is lost in"),
     "how sure": (r"\bhow sure\b(?! (?:is|are)\b)", "certainty of"),

@@ -9,12 +9,11 @@ from tests import language
 # Occurrences in each package. A number may only fall; it is lowered when the count is lower.
 CEILINGS = {
     "exact": 1,
-    "geometry": 3,
+    "geometry": 1,
     "paper": 1,
     "pictures": 5,
     "site": 1,
     "support files": 1,
-    "teaching": 1,
     "tests": 1,
 }
 
@@ -61,6 +60,7 @@ def test_the_readme_has_none():
         ("floor", "the lowest floor", "the lowest layer"),
         ("fronted of", "It ends. Of a grain all is known.", "Of course."),
         ("has not one", "A list has not one number.", "A list does not have one number."),
+        ("that they are", "Floats are the numbers that they are.", "Floats are exact fractions."),
         ("drowns", "The value drowns in rounding.", "The value is lost in rounding."),
         ("how sure", "It reports how sure the ranks are.", "How sure is a number?"),
         ("wanted", "Wanted relative error.", "Requested relative error."),

@@ -112,7 +112,7 @@ def test_an_odd_value_is_used_or_refused(name: str) -> None:
 
 REFUSED: list[tuple[Callable[[], Any], type[GeomtorsionError], str]] = [
     (lambda: solve(SWING, 5e-324), TimeError, r"expected 0 or at least 2.2e-308.*unit of time"),
-    (lambda: equations(f"{LONG}*x"), StartError, r"expected real ones below 1.8e308.*units"),
+    (lambda: equations(f"{LONG}*x"), StartError, r"expected real numbers below 1.8e308.*units"),
     (
         lambda: equations("-x", outputs={"a": LONG}).moment,
         ExpressionError,

@@ -67,7 +67,7 @@ def reduced(
     invariants: Mapping[str, sp.Expr],
     coordinates: tuple[sp.Symbol, ...],
 ) -> Reduced:
-    """Leave out the coordinates.
+    """Omit the coordinates.
 
     Raises
     ------
@@ -415,7 +415,7 @@ def conserved_quantities(
 class Lagrange:
     """d/dt P_mu - dL/dq^mu + X_mu nu^la q'^nu P_la - Q_mu, P_mu = dL/dq'^mu, from L(q, e q', t).
 
-    X is the torsion that the principle takes off: zero for Hamilton's.
+    X is the torsion that the principle subtracts: zero for Hamilton's principle.
 
     bundle: the given frame, not adapted to constraints.
     lagrangian, forces: in q, u, t; forces F_k in the frame, Q_mu = e^k_mu F_k.

@@ -208,7 +208,7 @@ class Hamel:
 
     @cached_property
     def quotients(self) -> tuple[Quotient, ...]:
-        """The same as above / below, never divided."""
+        """The accelerations as pairs (numerator, denominator), never divided."""
         right = [-self.rest[k] for k in self.free]
         return tuple(quotients(self.bundle.field, self.matrix, right))
 

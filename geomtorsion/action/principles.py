@@ -60,7 +60,7 @@ def principle_named(name: str) -> Principle:
     Raises
     ------
     UnknownNameError
-        There is none; the message names the nearest and all.
+        There is no such principle; the message names the nearest and lists all.
 
     Examples
     --------

@@ -209,7 +209,7 @@ class Point:
         for i, value in zip(bound, rest, strict=True):
             if u[i] in given and not is_small(field.read(given[u[i]]) - value, [*moving, value]):
                 raise StartError(
-                    f"at: expected {u[i].name} = {value.sympy}, as the constraints have it, got "
+                    f"at: expected {u[i].name} = {value.sympy}, as the constraints require, got "
                     f"{given[u[i]]}. Omit it, and it follows from the other velocities."
                 )
             speeds[i] = value.sympy

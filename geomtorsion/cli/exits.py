@@ -21,6 +21,8 @@ from geomtorsion.support.workers import MEMORY, TIME, Bounds, limit_data, machin
 # Base of the errors for wrong options; typer brings its own click, and exports only this class.
 UsageError = cast("type[typer.BadParameter]", typer.BadParameter.__bases__[0])
 _INVALID = re.compile(r"^Invalid value for '([^']*)': ")
+# Words that no argument of a command takes.
+_EXTRA = re.compile(r"Got unexpected extra arguments?(?:\(s\))? \((.*)\)")
 # An entry of a matrix, as Python counts.
 _ENTRY = re.compile(r"\b(coframe|frame|metric|signature|eta|spin_connection)\[(\d+), (\d+)\]")
 _PARAMETERS = re.compile(r"parameters=\{([^{}]*)\}")
@@ -136,6 +138,12 @@ def wrong_usage(error: typer.BadParameter) -> str:
     message = error.format_message().removeprefix("Invalid value: ")
     message = _INVALID.sub(r"\1: ", message).replace("Value error, ", "")
     path = error.ctx.command_path if error.ctx else "geomtorsion"
+    extra = _EXTRA.fullmatch(message)
+    takes = error.ctx.command.params if error.ctx else []
+    if extra and any("-L" in one.opts for one in takes):
+        message = (
+            f"expected a Lagrangian after -L, got {extra[1]} without it. Give -L '{extra[1]}'."
+        )
     message = message if message.endswith((".", "?", ")")) else f"{message}."
     return f"{message}\n(Arguments and options: {path} --help)"
 

@@ -73,7 +73,7 @@ def numpy_function(
     flag(check, "check")
     for k, symbol in enumerate(symbols):
         if str(symbol) in map(str, symbols[:k]):
-            raise ArgumentError(f"symbols[{k}]: {cut(str(symbol))} came twice. Give it once.")
+            raise ArgumentError(f"symbols[{k}]: {cut(str(symbol))} occurs twice. Give it once.")
     shared_graph = graph([str(symbol) for symbol in symbols], elements, factor=False)
     inner, settled = shared_graph.numpy(), Settled(shared_graph)
     names = [str(symbol) for symbol in symbols]
@@ -281,7 +281,7 @@ def rounding_bounds(
 
 @dataclass(frozen=True)
 class _Error:
-    """An error of at most so many roundings of the value, plus a further error (a step)."""
+    """An error of at most a number of roundings of the value, plus a further error (a step)."""
 
     roundings: int
     rest: int | None = None

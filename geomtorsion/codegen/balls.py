@@ -40,7 +40,7 @@ _CONSTANTS: dict[sp.Expr, Callable[[], arb]] = {
 
 
 def exact_ball(value: Any) -> arb:
-    """A number as a ball at the precision in use: floats count as the dyadic numbers that they are.
+    """A number as a ball at the precision in use: floats are exact binary fractions.
 
     Raises
     ------

@@ -148,7 +148,7 @@ class Graph:
             elif kind == "sum":
                 times = len(step.operands) - 1
             elif kind in ("product", "quotient"):
-                # A constant above the line makes no quotient cheaper.
+                # A constant numerator makes no quotient cheaper.
                 first, second = (self.steps[place].constant for place in step.operands)
                 kind = "scale" if second or (first and kind == "product") else kind
             count[kind] = count.get(kind, 0) + times

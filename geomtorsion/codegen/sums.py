@@ -377,7 +377,7 @@ def cost(term: Term) -> int:
     total = (0 if bare else SCALE) + (len(literals) - 1) * PRODUCT - repeated * (PRODUCT - SQUARE)
     if literals[0] > 0:
         return total
-    # All below the line: 1/x.  Else one of the products is a quotient.
+    # All are divisors: 1/x. Otherwise one of the products is a quotient.
     return total + (QUOTIENT if literals[-1] < 0 else QUOTIENT - PRODUCT)
 
 

@@ -402,7 +402,7 @@ class TransitionMap(ByContent):
     def _places(self, coordinates: Any) -> list[Any]:
         """One entry for each coordinate."""
         is_array = isinstance(coordinates, np.ndarray) and coordinates.ndim > 0
-        # Points stay the arrays that they are.
+        # Arrays of points stay arrays.
         places = (
             list(coordinates)
             if is_array

@@ -28,9 +28,9 @@ from geomtorsion.support.executors import Executor
 # A ray that has come this much nearer to an edge of the domain than the camera is captured. Light
 # that comes so near does not return; nearer to it, frame velocities only grow.
 NEARER = 1e-9
-# A ray that is so many times as far from the edge as the camera has escaped.
+# A ray has escaped at this multiple of the distance of the camera from the edge.
 FARTHER = 4
-# Rays are followed over so many times the distance of the camera, that is: for many turns.
+# Length of rays in units of the distance of the camera: many turns.
 LENGTHS = 64
 # Angles from the axis of the camera among which the edge is found before it is bisected.
 SCANNED = 24
@@ -169,7 +169,7 @@ class Shadow:
             field = min(2 * WIDER * float(self.edge(8, 1e-3).radii.max()), 0.9 * math.pi)
         width = checks.positive(field, "field", StartError)
         if not width < math.pi:
-            raise StartError(f"field: expected an angle below pi, got {width:.6g}. Give less.")
+            raise StartError(f"field: expected an angle below pi, got {width:.6g}.")
         side = math.tan(width / 2) * ((2 * np.arange(count) + 1) / count - 1)
         x, y = np.meshgrid(side, -side)
         rays = self._traced(self.directions(x, y).reshape(-1, 3), accuracy, progress)
@@ -328,7 +328,7 @@ def shadow(
     slope, far = _slope(rays, len(texts), spatial)
     if not far > 0 and (axis is None or length is None):
         raise StartError(
-            "dark: expected a condition that changes with the place of the camera, got "
+            "dark: expected a condition that changes with the position of the camera, got "
             f"{', '.join(texts)}. Give axis and length."
         )
     lines = _directions(axis, up, slope)

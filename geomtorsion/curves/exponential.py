@@ -183,5 +183,5 @@ def transport_equations(
 
 
 def _without_floats(expression: sp.Expr) -> sp.Expr:
-    """Floats as the fractions that they are."""
+    """Floats as exact fractions."""
     return expression.xreplace({x: sp.Rational(float(x)) for x in expression.atoms(sp.Float)})

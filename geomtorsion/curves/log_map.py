@@ -277,7 +277,7 @@ class _Choice:
         if answer is None:
             raise EndpointError(
                 f"expected a motion {self.where} to accuracy {self.search.accuracy:.3g}, but its "
-                "end depends too much on its start. Ask for a lower accuracy, or give a nearer "
+                "end depends too much on its start. Request a lower accuracy, or give a nearer "
                 "end, or start and end in the opposite order."
             )
         if answer.conjugate and self.search.shooter.is_definite and self.is_geodesic:

@@ -309,8 +309,8 @@ class Shooter:
     def lines(self, end: np.ndarray) -> tuple[list[Line], bool]:
         """The shortest lines to images of a point under full turns, in order of their length.
 
-        One more than there are dimensions, as so many may be equally long. Also whether no motion
-        to any other image is shorter: where the coframe is constant.
+        There is one more than dimensions, because as many lines may be equally long. Also whether
+        no motion to any other image is shorter: where the coframe is constant.
         """
         turning, count = self._turning[self.home], len(end) + 1
         turns = np.array(list(product((0.0, 1.0, -1.0), repeat=len(turning))))

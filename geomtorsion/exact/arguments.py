@@ -111,7 +111,7 @@ class RationalBasis:
 
 
 def _is_monomial(element: Element) -> bool:
-    """Whether an element has at most one term, and nothing below the line."""
+    """Whether an element has at most one term, and no denominator."""
     return not element.is_kept and not element._den and len(element._num) < 2
 
 

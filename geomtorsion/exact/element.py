@@ -217,7 +217,7 @@ class Element(ABC):
         return self._hash
 
     def __bool__(self) -> bool:
-        raise TypeError("the truth of an element is ambiguous; ask for .is_zero")
+        raise TypeError("the truth of an element is ambiguous; use .is_zero")
 
     @property
     @abstractmethod

@@ -151,9 +151,9 @@ class Expansion:
         Raises
         ------
         SingularPointError
-            There is none: the expression grows without bound, or does not settle.
+            There is no limit: the expression grows without bound, or oscillates.
         UndecidedError
-            It cannot be had.
+            It cannot be computed.
         """
         expression, _ = self._local
         if self._read(expression).is_zero:
@@ -183,7 +183,7 @@ class Expansion:
         except _NotAnalyticError:
             raise SingularPointError(
                 f"{self.name} has no series in powers at {self.approach}: derivatives grow "
-                "without bound there. Expand at another point, or ask for the limit."
+                "without bound there. Expand at another point, or compute the limit."
             ) from None
 
     def _quotient(
@@ -216,7 +216,7 @@ class Expansion:
     def _by_growth(self, expression: sympy.Expr) -> sympy.Expr:
         """The limit by comparing growths (Gruntz 1996), as sympy does it; checked by numbers."""
         undecided = UndecidedError(
-            f"the limit of {self.name} as {self.approach} cannot be had. Declare the "
+            f"the limit of {self.name} as {self.approach} cannot be computed. Declare the "
             "domain of the frame, or take a simpler expression."
         )
         try:
@@ -258,9 +258,9 @@ def limit(
     Raises
     ------
     SingularPointError
-        There is none, or not the same on all ways.
+        There is no limit, or it differs between ways.
     UndecidedError
-        It cannot be had.
+        It cannot be computed.
 
     Examples
     --------

@@ -1,4 +1,4 @@
-"""Factoring process: a script that factors polynomials, one JSON request a line, until they end.
+"""Factoring process: a script that factors polynomials, one JSON request per line, until they end.
 
 It imports only flint, so that it starts in a tenth of a second.
 """

@@ -316,7 +316,8 @@ class Field(Tower):
     def inverse(self, element: Element, briefly: bool = False) -> Element:
         """1 over an element, its denominator free of algebraic generators.
 
-        briefly: it is kept as it is where without roots it has more terms than its square.
+        briefly: the quotient stays lazy if its denominator, cleared of roots, is longer than its
+            square.
         """
         if element.is_kept:
             if element.is_zero:
@@ -422,7 +423,7 @@ class Field(Tower):
         return True if image is not None and image == 0 else None
 
     def _image(self, element: Element) -> fmpz_mod | None:
-        """The value at a random point modulo a prime, or None where there is none."""
+        """The value at a random point modulo a prime; None without a value."""
         try:
             return roomy_point_of(self).image(element)
         except NoPointError:

@@ -99,7 +99,7 @@ def form(element: Element) -> Form:
     """The written form of an element, made once for all that are equal."""
     if element._form is None:
         forms = element.field.tables.setdefault("forms", {})
-        # Equal elements are often different objects; factoring is dear, their text is cheap.
+        # Equal elements are often different objects; factoring is expensive, their text is cheap.
         key = (str(element.field.lift(element)), element._den)
         if key not in forms:
             forms[key] = _made(element)
@@ -143,7 +143,7 @@ def _made(element: Element) -> Form:
     for root, scale, keys in table.table:
         counts = [exponents.get(key, 0) for key in keys]
         least, most = min(counts), max(counts)
-        # A radicand that is there in full, above or below the line, is the square of its root.
+        # A radicand that is a full factor or divisor is the square of its root.
         take = least if least > 0 else min(0, most)
         if take:
             for key in keys:

@@ -23,7 +23,15 @@ if TYPE_CHECKING:
 
 
 def unknown_functions(elements: Iterable[Element]) -> list[AppliedUndef]:
-    """The unknown functions that occur in elements, in the order of their text."""
+    """The unknown functions that occur in elements, in the order of their text.
+
+    Examples
+    --------
+    >>> from geomtorsion.exact import Field
+    >>> t = sympy.Symbol("t")
+    >>> unknown_functions([Field([t]).read(sympy.Function("a")(t).diff(t))])
+    [a(t)]
+    """
     functions = {f for element in elements for f in element.sympy.atoms(AppliedUndef)}
     return sorted(functions, key=str)
 

@@ -57,7 +57,7 @@ class Given:
         yield self._point
 
     def refusal(self) -> str:
-        """Why it does not serve."""
+        """The reason why the point is invalid."""
         return f"it has no value at {self._point}. Give another point."
 
 
@@ -94,7 +94,7 @@ class Anywhere:
         return chain(map(first.exact, half), map(alike.exact, half))
 
     def refusal(self) -> str:
-        """Why none serves."""
+        """The reason why no point is valid."""
         return "it has a value at no point that was tried. Declare a domain."
 
 

@@ -1,9 +1,9 @@
-"""Kept: sums of products that are not multiplied out, since nobody needs them so.
+"""Kept: sums of products that are not multiplied out (lazy elements).
 
-An element is kept as the sum, or one over the sum, from which it was built where multiplying it
-out would be dear.  Its value modulo a prime decides whether it vanishes (see `modular`), its
-derivative and its numbers follow from its parts.  Multiplied out it is only to be written shortly,
-or where its polynomial itself is needed, as for a root.
+A lazy element is the sum, or one over the sum, from which it was built; multiplying it out would be
+expensive. Its value modulo a prime decides whether it vanishes (see `modular`), and its derivative
+and its numbers follow from its parts. It is multiplied out only to be printed in a short form, or
+where its polynomial is needed, as for a root.
 """
 
 from __future__ import annotations
@@ -27,7 +27,7 @@ if TYPE_CHECKING:
 
     from geomtorsion.exact.tower import Tower
 
-    # An irreducible factor by its index, or an element kept below the line by its identity.
+    # An irreducible factor by its index, or a lazy denominator by its identity.
     _Divisor = tuple[str, int]
 
 

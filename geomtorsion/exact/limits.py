@@ -184,6 +184,6 @@ def check_parts(parts: int, in_words: str) -> None:
     if parts > LARGEST_WRITTEN:
         raise LimitError(
             f"an expression of {in_words} parts would be written; the limit is "
-            f"{LARGEST_WRITTEN:,}. Ask for its numbers with .at(point) or numpy_function, or for "
-            ".is_zero, which do not need it"
+            f"{LARGEST_WRITTEN:,}. Use .at(point), numpy_function or .is_zero, which do not "
+            "need it"
         )

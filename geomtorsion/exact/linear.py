@@ -71,7 +71,7 @@ class Reduced:
 
 
 def reduced(field: Field, rows: Sequence[Sequence[Element]], width: int) -> Reduced:
-    """Reduced echelon form of rows, by exact elimination.
+    """Reduced echelon form of rows, by exact elimination; see `Reduced` for an example.
 
     Raises
     ------
@@ -152,7 +152,15 @@ def sign(field: Field, x: Element) -> int:
 def signature(field: Field, form: Sequence[Sequence[Element]]) -> tuple[int, int, int]:
     """How many squares of a symmetric form are positive, negative and zero (Sylvester).
 
-    The signs hold at the sample values of the symbols, the number of zeros for generic ones.
+    The signs hold at the sample values of the symbols, the number of zeros for generic values.
+
+    Examples
+    --------
+    >>> from geomtorsion.exact import Field
+    >>> from geomtorsion.exact.linear import signature
+    >>> field = Field([])
+    >>> signature(field, [[field.rational(x) for x in row] for row in ([0, 1], [1, 0])])
+    (1, 1, 0)
     """
     signs = [sign(field, x) for x in squares(field, form)]
     positive = signs.count(1)

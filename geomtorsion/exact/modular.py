@@ -150,11 +150,11 @@ class ModularPoint:
     def moves(self, element: Element, symbol: sympy.Symbol) -> bool | None:
         """Whether an element has another value where only what depends on a symbol has.
 
-        None: so many roots rest on the symbol that a place with values of all is long to be found.
+        None: too many roots depend on the symbol to find a place with values of all in time.
         """
         oldest = self._field.generators[::-1]
         moved = frozenset(k for k, g in enumerate(oldest) if symbol in g.depends)
-        # More than so many tries leave no time before the prime changes.
+        # More tries than this would leave no time before the prime changes.
         if prod(oldest[k].degree for k in moved if oldest[k].kind == "root") > BITS:
             return None
         while True:
@@ -293,13 +293,13 @@ class ModularPoint:
     def _settle(self, another_prime: bool = False, moved: frozenset[int] = frozenset()) -> None:
         """The next place: other values of the symbols, modulo another prime now and then.
 
-        moved: the only generators that take other values, with those that rest on them, modulo the
-        same prime. Where two roots rest on x and two on y, four values of x are tried and four of
-        y, not sixteen of both.
+        moved: the generators that take other values, with all that depend on them, modulo the same
+        prime. Where two roots depend on x and two on y, four values of x are tried and four of y,
+        not sixteen of both.
         """
         place, tried = self._place + 1, self._tried + 1
-        # A point in n has a root of degree n: of so many tries all fail with a chance of 2**-BITS.
-        # Where more than ten square roots rest on one symbol a point may be missed, after 20 s.
+        # One point in n has a root of degree n: all of BITS * n tries fail with a chance of
+        # 2**-BITS. With more than ten square roots of a symbol a point may be missed, after 20 s.
         if tried > BITS * min(prod(self._degrees()), 2**10):
             raise NoPointError
         # Symbols have other values at each place.  Roots of numbers, also below a root of a

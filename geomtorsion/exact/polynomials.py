@@ -1,8 +1,8 @@
 """Polynomials of FLINT in a larger ring: terms, long sums and products, numbers, factors.
 
-Flint is deaf to Ctrl-C and to limits while it factors, which takes half a minute for some
-polynomials of 300 terms: that is done in a process of its own, which can be ended at once; its
-answer is the same.
+FLINT does not react to Ctrl-C or to limits while it factors, which takes half a minute for some
+polynomials of 300 terms. It factors in a process of its own, which can be ended at once, with the
+same result.
 """
 
 from __future__ import annotations
@@ -75,7 +75,7 @@ def split(poly: fmpq_mpoly, position: int) -> tuple[fmpq_mpoly, fmpq_mpoly]:
 
 
 def product(one: fmpq_mpoly, two: fmpq_mpoly, pairs: int) -> fmpq_mpoly:
-    """The product, in pieces of so many pairs of terms: between them one can stop."""
+    """The product, in pieces of a limited number of pairs of terms; work can stop between them."""
     if len(one) * len(two) <= pairs:
         return one * two
     long, short = (one, two) if len(one) > len(two) else (two, one)

@@ -1,4 +1,4 @@
-"""Roots: rational powers with the branch that was chosen, those in the field, those below the line.
+"""Roots: rational powers with their branches, roots in the field and roots in denominators.
 
 Whether an element is a square is decided in towers of quadratic extensions.
 Roots in denominators are cleared by conjugates, and restored where that is exact: 1/(A + B w) is
@@ -792,7 +792,7 @@ def _mixed(poly: fmpq_mpoly) -> bool:
 
 
 def _enter_below(below: Below, divisor: fmpq_mpoly) -> None:
-    """Notes one more factor with roots below the line."""
+    """Note one more factor with roots in a denominator."""
     key = str(divisor)
     below[key] = (divisor, below.get(key, (None, 0))[1] + 1)
 

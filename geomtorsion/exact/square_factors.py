@@ -238,7 +238,7 @@ def _even_in_each_angle(counts: list[tuple[int, list[int]]]) -> list[int]:
     """
     masks = [sum((degree % 2) << k for k, degree in enumerate(degrees)) for _, degrees in counts]
     odd = [k for k, (count, _) in enumerate(counts) if count % 2 and masks[k]]
-    # Left out are some whose sum has the parity of the total.
+    # Some whose sum has the parity of the total are omitted.
     basis: list[tuple[int, frozenset[int]]] = []
     total = 0
     for k in odd:

@@ -135,7 +135,7 @@ class Tower(ABC):
 
     @abstractmethod
     def inverse(self, element: Element, briefly: bool = False) -> Element:
-        """1 over an element, kept as it is where it shall be brief and would not be."""
+        """1 over an element; briefly: lazy where it would be long."""
 
     @abstractmethod
     def root(self, element: Element, order: int, radical: sympy.Expr | None = None, /) -> Element:
@@ -151,7 +151,7 @@ class Tower(ABC):
 
     @abstractmethod
     def decide_zero(self, element: Element) -> bool | None:
-        """Whether an element vanishes that is kept, or whose generators may depend on others."""
+        """Whether a lazy element, or an element with generators that may be dependent, vanishes."""
 
     @abstractmethod
     def certainty(self, element: Element) -> Certainty:
@@ -192,7 +192,7 @@ class Tower(ABC):
         """An element as a JSON-ready mapping."""
 
     def add(self, *added: Generator) -> Element:
-        """Adds generators, one after the other, and returns the last as an element.
+        """Add generators, one after the other, and return the last as an element.
 
         Elements built from a generator whose independence is not proved are not proved either.
         """
@@ -224,7 +224,7 @@ class Tower(ABC):
         return Canonical(self, self.ctx.gen(0), (), self.level)
 
     def _as_sure(self, generator: Generator) -> Generator:
-        """A generator, not sure where its relation or its argument rests on unproved ones."""
+        """A generator; not sure if its relation or argument depends on unproved generators."""
         if self.all_sure:
             return generator
         argument = generator.argument
@@ -296,13 +296,13 @@ class Tower(ABC):
         return tuple(self._branches.values())
 
     def note_rooted(self, denominator: Element) -> None:
-        """Notes a denominator that contains roots, so that it can be written as it was."""
+        """Note a denominator that contains roots, so that it can be written in its first form."""
         if denominator not in self._rooted_keys:
             self._rooted_keys.add(denominator)
             self.rooted.append(denominator)
 
     def state_branch(self, branch: Branch) -> None:
-        """Notes the sign with which a root was read."""
+        """Note the sign with which a root was read."""
         self._branches.setdefault(branch.radical, branch)
 
     @property
@@ -336,7 +336,7 @@ class Tower(ABC):
     def sum(self, terms: Iterable[tuple[Any, ...]]) -> Element:
         """A sum of products (rational coefficient, element, element, ...), normalised once.
 
-        It is kept as it is where multiplying it out would be dear (see `kept`).
+        It stays lazy where multiplying it out would be expensive (see `kept`).
         """
         # Making the terms may add generators; only then is the ring fixed.
         zero, key = self.zero, id(self.zero)

@@ -129,7 +129,7 @@ def unit(text: str) -> Unit:
         except (OverflowError, ValueError):
             scale, power = math.inf, 0
         if not 0 < scale < math.inf:
-            raise UnitError(f"{cut(text)!r} is beyond all numbers. Write a smaller exponent.")
+            raise UnitError(f"{cut(text)!r} is too large for a number. Write a smaller exponent.")
         powers = [a + power * b for a, b in zip(powers, kind, strict=True)]
     return Unit(text, scale, (powers[0], powers[1], powers[2], powers[3], powers[4]))
 
@@ -196,7 +196,7 @@ def scale_of(given: Unit, field: str) -> float:
         # A person who writes Hz may mean turns; a wrong guess would be wrong by 2 pi.
         if "Hz" in given.text and wanted.powers[4]:
             raise UnitError(f"{_HERTZ}.")
-        # Angles may go without a name, as in 1/s; they may not turn up where none is measured.
+        # The unit of an angle may be omitted, as in 1/s, but not added where no angle is measured.
         if given.powers[4] in (0, wanted.powers[4]):
             return given.scale / wanted.scale
     needed = f"a value in {field}" if field else "a plain number, without a unit"

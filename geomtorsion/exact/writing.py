@@ -307,7 +307,7 @@ def _sum_of(terms: list[tuple[sympy.Expr, list[sympy.Expr]]]) -> sympy.Expr:
     """A sum of (number, factors) with what all terms have in common in front."""
     split = [_powers_of(value, factors) for value, factors in terms]
     bases = [powers for _, powers in split]
-    # Mostly powers of one determinant below the line.
+    # Mostly powers of one determinant in denominators.
     common = {
         base: min(powers[base] for powers in bases)
         for base in bases[0]

@@ -80,8 +80,8 @@ def coordinate_map(frame: Frame, new: object, old: object, count: int | None = N
     symbols = tuple(validation.named_symbols(new, order.values()))
     if count is not None and len(symbols) != count:
         raise ShapeError(
-            f"new coordinates: expected {count}, got {len(symbols)}. Give as many as there are old "
-            "ones; for a surface with fewer use gt.surface."
+            f"new coordinates: expected {count}, got {len(symbols)}. Give one for each old "
+            "coordinate; for a surface with fewer use gt.surface."
         )
     names = {**constants, **{one.name: one for one in symbols}}
     if count is None:
@@ -185,8 +185,8 @@ def connection_in(connection: Connection, new: object, old: object, domain: obje
         return connection.maker(over)
     if connection.allowed is not None:
         raise CoframeError(
-            "expected legs given as one-forms or vectors, got legs that a metric chose: in other "
-            "coordinates it chooses others. Make the frame from its coframe: "
+            "expected legs given as one-forms or vectors, got legs derived from a metric, which "
+            "differ in other coordinates. Make the frame from its coframe: "
             "gt.Frame(frame.coordinates, frame.coframe.to_sympy())."
         )
     difference = (connection.coefficients - levi_civita(frame).coefficients).components

@@ -15,6 +15,7 @@ from geomtorsion.geometry.components import Index, minus
 from geomtorsion.geometry.connection import Connection
 from geomtorsion.geometry.connections import FrameLike, frame_of, from_spin_connection, levi_civita
 from geomtorsion.geometry.derived import derived
+from geomtorsion.geometry.differentials import differentials
 from geomtorsion.geometry.forms import Form
 from geomtorsion.geometry.frame import Frame
 from geomtorsion.geometry.homes import at_home
@@ -109,7 +110,7 @@ def _over_legs(frame: Frame, allowed: tuple[int, ...]) -> Connection:
     """The constrained connection of some legs of a frame."""
     if len(set(allowed)) < len(allowed):
         raise TensorIndexError(
-            f"allowed: expected each leg once, got {list(allowed)}. Leave the second one out."
+            f"allowed: expected each leg once, got {list(allowed)}. Give it once."
         )
     permitted = frozenset(allowed)
     for (i, j), value in frame.eta.components.nonzero.items():
@@ -187,27 +188,23 @@ def _differentials(
     frame: Frame, where: str, text: str, parameters: Sequence[sp.Symbol]
 ) -> list[sp.Expr]:
     """Coefficients of dq^mu in a text."""
-    differentials = [sp.Symbol(f"d{symbol.name}", real=True) for symbol in frame.coordinates]
     symbols = dict.fromkeys([*frame.field.symbols, *parameters])
-    names = {symbol.name: symbol for symbol in (*symbols, *differentials)}
-    if len(names) < len(symbols) + len(differentials):
-        raise ConstraintError(
-            f"{where}: expected a differential for each coordinate, got a frame that uses one of "
-            f"the names {', '.join(map(str, differentials))} otherwise. Give lists of components."
-        )
+    taken = [symbol.name for symbol in symbols]
+    forms = differentials(frame.coordinates, taken, where, ConstraintError)
+    names = {symbol.name: symbol for symbol in (*symbols, *forms)}
     value = parse_expression(text, names, where=where)
-    coefficients = [sp.expand(value).coeff(differential) for differential in differentials]
-    rest = value.subs(dict.fromkeys(differentials, 0))
+    coefficients = [sp.expand(value).coeff(form) for form in forms]
+    rest = value.subs(dict.fromkeys(forms, 0))
     if not frame.read([(where, rest)])[0].is_zero:
         raise ConstraintError(
             f"{where}: expected a constraint without a part free of velocities, got {text!r} "
             f"with the part {rest}. For a surface that moves, use gt.equations_of_motion(frame, L, "
             "constraints=...)."
         )
-    linear = sp.Add(*(x * y for x, y in zip(coefficients, differentials, strict=True)))
-    if sp.expand(value - rest - linear) != 0 or linear.has(*(d**2 for d in differentials)):
+    linear = sp.Add(*(x * y for x, y in zip(coefficients, forms, strict=True)))
+    if sp.expand(value - rest - linear) != 0 or linear.has(*(d**2 for d in forms)):
         raise ConstraintError(
-            f"{where}: expected a sum of functions times {', '.join(map(str, differentials))}, got "
+            f"{where}: expected a sum of functions times {', '.join(map(str, forms))}, got "
             f"{text!r}. {ADVICE}"
         )
     return coefficients

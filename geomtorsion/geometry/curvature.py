@@ -94,7 +94,7 @@ class Curvature:
         return Tensor(frame, "dddu", rule, self._symmetry, "R", "curvature")
 
     def _unless_parallel(self, rule: Rule) -> Rule:
-        """The rule, save where all legs are found parallel: such a connection is flat."""
+        """The rule, or zero where all legs are parallel, because the connection is flat then."""
 
         def shorter(index: Index) -> Element:
             zero = self.connection.frame.field.zero

@@ -19,7 +19,7 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True)
 class Edge:
-    """A quantity that is positive as long as the coordinates hold.
+    """A quantity that is positive as long as the coordinates are valid.
 
     element: an exact element; a motion on which it falls through zero has reached the edge.
     words: event at the edge, for messages; condition: relation that holds inside.

@@ -149,7 +149,7 @@ class Form:
                 if sign == 0 or place in components:
                     raise TensorIndexError(
                         f"{self.symbol}{list(index)}: expected each component of the form once, "
-                        "with different form indices, got one index twice. Leave one out."
+                        "with different form indices, got one index twice. Omit one of them."
                     )
                 components[place] = value if sign > 0 else -value
         return {place: x for place, x in sorted(components.items()) if x.is_zero is not True}

@@ -75,7 +75,7 @@ class Frame:
     ----------
     coframe
         e^i_mu, rows i, columns mu: nested lists or a sympy matrix. Entries may be text in the
-        coordinates and the listed parameters.
+        coordinates and the listed parameters, and rows one-forms in text: ["dr", "r dphi"].
     signature
         a tuple of signs, a text such as "-+++", or a constant symmetric matrix eta; None: all +1.
     domain
@@ -205,7 +205,7 @@ class Frame:
     def from_metric(
         cls,
         coordinates: arguments.Coordinates,
-        metric: arguments.Matrix,
+        metric: arguments.Matrix | Sequence[arguments.Entry],
         signature: arguments.Signature | None = None,
         parameters: arguments.Parameters | None = None,
         domain: arguments.Domain | None = None,
@@ -216,7 +216,8 @@ class Frame:
 
         The metric is kept as given, so that Levi-Civita quantities never see the square roots; the
         roots are taken when the coframe itself is first read. Without a signature the rows have the
-        signs that the metric has in the domain.
+        signs that the metric has in the domain. The metric is a matrix, a list of its diagonal, or
+        a line element in text.
 
         Raises
         ------
@@ -230,6 +231,9 @@ class Frame:
         >>> r, phi = sp.symbols("r phi", positive=True)
         >>> Frame.from_metric([r, phi], [[1, 0], [0, r**2]]).coframe[1, 1]
         r
+        >>> hole = "-(1 - 2M/r) dv^2 + 2 dv dr + r^2 (dtheta^2 + sin(theta)^2 dphi^2)"
+        >>> Frame.from_metric("v r theta phi", hole, parameters="M").metric[0, 1]
+        1
         """
         return constructors.from_metric(
             cls, coordinates, metric, signature, parameters, domain, name, branches

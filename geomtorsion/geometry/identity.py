@@ -41,7 +41,7 @@ class IdentityCheck:
 
 
 class IdentityChecks(list[IdentityCheck]):
-    """The checks of one connection, in a list that prints one a line."""
+    """The checks of one connection, in a list that prints one per line."""
 
     def __repr__(self) -> str:
         return "\n".join(map(str, self))

@@ -113,7 +113,7 @@ def truth(tensor: Tensor) -> bool:
     """Whether a scalar does not vanish; refused for tensors with indices."""
     if tensor.slots:
         raise TensorIndexError(
-            f"the truth value of {tensor.label}, a tensor with indices, is ambiguous. Ask for "
+            f"the truth value of {tensor.label}, a tensor with indices, is ambiguous. Use "
             "tensor.is_zero, or compare: tensor == 0."
         )
     return not vanishes(tensor)

@@ -179,7 +179,7 @@ def _ranges(tensor: Tensor) -> str:
 
 
 def text(tensor: Tensor) -> str:
-    """Name, label and the first non-vanishing components, one a line."""
+    """Name, label and the first non-vanishing components, one per line."""
     independent: Mapping[tuple[int, ...], Element] = tensor.components.independent
     heading = f"{tensor.name or 'tensor'} {ascii_label(tensor)}".strip()
     heading += f" ({_ranges(tensor)})"
@@ -327,9 +327,9 @@ class ComponentRow:
 
 @dataclass(frozen=True, eq=False, repr=False)
 class ComponentTable:
-    """Components of a tensor that do not vanish: prints one a line, and is a table in notebooks.
+    """Components of a tensor that do not vanish: one line each, and a table in notebooks.
 
-    tensor: whose components.
+    tensor: the tensor of the components.
     names: names of its indices, one for each coordinate.
     chosen: whether these names differ from the names of the coordinates.
     indices: of the rows, in order.

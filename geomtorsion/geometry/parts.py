@@ -22,7 +22,7 @@ PAIRS: Symmetry = antisymmetric(4) + antisymmetric(4, 2, 3)
 
 
 class Array(Protocol):
-    """A tensor, as far as its parts need it: connections, made of tensors, have these parts."""
+    """The members of a tensor that its parts need."""
 
     __dataclass_fields__: ClassVar[dict[str, Any]]
 

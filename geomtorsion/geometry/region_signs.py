@@ -42,8 +42,8 @@ Map = tuple[fmpq, fmpq, fmpq, fmpq]
 # A polynomial, the map of each variable, and how many times it was split.
 Cell = tuple[fmpq_mpoly, list[Map], int]
 
-# Cells in which a polynomial is checked: a sliver a thousandth wide needs some tens. With so many
-# terms a polynomial is not split either; it would take seconds.
+# Largest number of cells in which a polynomial is checked: a sliver a thousandth wide needs some
+# tens. A polynomial with more terms than this is not split; it would take seconds.
 CELLS = 400
 
 

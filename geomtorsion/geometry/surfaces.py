@@ -161,8 +161,8 @@ class Surface:
         if isinstance(field, Form):
             if field.values:
                 raise TensorIndexError(
-                    f"form: expected values in numbers, got values {field.values!r}. Take one with "
-                    "form.part(index)."
+                    f"form: expected a scalar-valued form, got values {field.values!r}. Take a "
+                    "component with form.part(index)."
                 )
             return Form.of(self.pullback(field.tensor))
         tensor = checks.instance(field, Tensor, "field")
@@ -192,7 +192,7 @@ class Surface:
             raise ShapeError(
                 f"expected a surface of {self.ambient.dimension - 1} dimensions, got "
                 f"{len(self.way.new)}: only a hypersurface has one normal. The induced metric and "
-                "pullbacks are there for all."
+                "pullbacks exist for all."
             )
 
     @cached_property

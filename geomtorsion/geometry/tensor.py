@@ -296,7 +296,7 @@ class Tensor:
     # -- changing indices ----------------------------------------------------------------------
 
     def _with_slot(self, k: int, slot: str) -> Tensor:
-        """The same tensor with index k of another kind or at another height."""
+        """The same tensor with index k of another kind or in another position."""
         if slot == self.slots[k]:
             return self
         if k in self.anchored and KINDS[slot] != KINDS[self.slots[k]]:

@@ -22,6 +22,7 @@ from geomtorsion.errors import (
 from geomtorsion.exact import Element, Field, parse_expression
 from geomtorsion.exact.reading import counted_as
 from geomtorsion.geometry.components import dependence, determinant
+from geomtorsion.geometry.differentials import is_flat, written_out
 from geomtorsion.geometry.real_points import RealPoints, check_met
 from geomtorsion.geometry.relations import relations_in
 from geomtorsion.support import checks
@@ -83,14 +84,23 @@ REFUSALS = {"metric": MetricError, "signature": SignatureError}
 def typed_entries(
     values: object, name: str, coordinates: object, parameters: object
 ) -> tuple[int, Matrix]:
-    """As `matrix_entries`, with entries that may be text in coordinates and parameters."""
+    """As `matrix_entries`, with text: entries, a line element, one-forms."""
+    unknown = 'Otherwise declare it: parameters=["{name}"].'
+
+    def read(text: str, where: str, forms: Sequence[sp.Symbol]) -> sp.Expr:
+        known = names_of(coordinates, parameters, ()) | {form.name: form for form in forms}
+        return parse_expression(text, known, where=where, unknown=unknown)
+
+    if is_flat(values):
+        taken = names_of(coordinates, parameters, ())
+        values = written_out(values, name, named_symbols(coordinates), taken, read)
     n, entries = matrix_entries(values, name)
     typed = {index: x for index, x in entries.items() if isinstance(x, str)}
     if not typed:
         return n, entries
     names = names_of(coordinates, parameters, entries.values())
     for index, text in typed.items():
-        where, unknown = f"{name}{list(index)}", 'Otherwise declare it: parameters=["{name}"].'
+        where = f"{name}{list(index)}"
         entries[index] = parse_expression(text, names, where=where, unknown=unknown)
     return n, {index: x for index, x in entries.items() if not _is_plain_zero(x)}
 
@@ -106,6 +116,8 @@ def matrix_entries(values: object, name: str) -> tuple[int, Matrix]:
     """Size and non-zero entries of a square matrix given as nested lists or a sympy matrix."""
     refusal = REFUSALS.get(name, CoframeError)
     kind, remedy = "rows of entries", "Give nested lists."
+    if name == "metric":
+        remedy = 'Give nested lists, a list of the diagonal, or text: "dr^2 + r^2 dphi^2".'
     entries = partial(checks.entries, error=refusal, expected=kind, remedy=remedy)
     rows = [
         entries(row, f"{name}[{i}]")

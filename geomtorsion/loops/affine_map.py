@@ -223,7 +223,7 @@ def logarithm(turn: np.ndarray) -> np.ndarray:
         values = np.linalg.eigvals(identity + turn)
         if np.abs(values[values.real < 0].imag).min() < 1e-9:
             raise LoopError(
-                "the rotation has no single real logarithm: it is half a turn in some plane. "
+                "the rotation has no unique real logarithm: it is half a turn in some plane. "
                 "Use .rotation, or .angle and .axis."
             )
     log = np.array(scipy.linalg.logm(identity + turn))

@@ -54,7 +54,7 @@ def exact_number(value: Any) -> sp.Expr:
 
 
 def dyadic_number(value: Any) -> sp.Expr:
-    """A number as it is held: floats are the dyadic numbers that they are; expressions stay."""
+    """The exact value of a number: floats are binary fractions; expressions stay."""
     return checks.rational(value, "number", LoopError)
 
 

@@ -32,7 +32,7 @@ from geomtorsion.support.caching import cached_property
 from geomtorsion.support.outgoing import measured_text
 
 HALF = Fraction(1, 2)
-REMEDY = "Ask for fewer members, or average runs with different seeds."
+REMEDY = "Request fewer members, or average runs with different seeds."
 
 
 @dataclass(frozen=True, repr=False)

@@ -32,8 +32,8 @@ class CycleBurgers(Signed):
     """Closure failure of a cycle of a network.
 
     cycle: nodes in order; vector: b^i, shape (n,); error: bound on its largest component.
-    images: how often the cycle winds around each period, shape (d,). Where it does so
-        at all, the vector is a measured period, and a Burgers vector only less the true one.
+    images: how often the cycle winds around each period, shape (d,). If it winds around any, the
+        vector is a measured period, and minus the true period a Burgers vector.
     """
 
     cycle: Cycle

@@ -85,7 +85,7 @@ class Complex:
             self._check_closed(2, "cell", "faces")
 
     def _check_closed(self, degree: int, name: str, sides: str) -> None:
-        """The boundary of a boundary is nothing."""
+        """Refuse a boundary that has a boundary itself."""
         here, below = self.boundary(degree), self.boundary(degree - 1)
         if here.shape[1] != below.shape[0]:
             raise NetworkError(

@@ -414,7 +414,7 @@ def _offsets(
         rows = rows[:-1]
     if len(rows) < 3:
         raise LoopError(
-            f"{where}: expected at least three points, got {len(rows)}: a path to and fro "
+            f"{where}: expected at least three points, got {len(rows)}: a path back and forth "
             "between two points encloses nothing."
         )
     if centre is None:

@@ -24,10 +24,10 @@ Elements = dict[tuple[int, int], Element]
 
 @dataclass(frozen=True, eq=False)
 class Lines(Mapping[str, Elements]):
-    """What a frame of parallel lines is made from, as `Frame.given`; exact entries are made late.
+    """Data of a frame of parallel lines, for `Frame.given`; exact entries are made on first use.
 
     A sum over n lines has n quadratic denominators: over their product it is a polynomial of degree
-    2 n, which nobody can sum. Loops sum line by line instead, without exact entries.
+    2 n, which is too large. Loops sum line by line instead, without exact entries.
 
     coordinates: x, y, z. field: of the frame.
     places: (x_k, y_k), exact; vectors: b_k^i, exact, none of them zero.

@@ -67,7 +67,7 @@ def definite(f: sp.Expr, t: sp.Symbol, low: sp.Expr, high: sp.Expr) -> sp.Expr |
 
 
 def tidy(f: sp.Expr, t: sp.Symbol) -> sp.Expr:
-    """The same function on a common basis, where the field can read it."""
+    """The same function over a common basis of angles, if the field can read it."""
     f = f.replace(_is_shifted, lambda wave: _split(wave, t))
     # cos(3/10) and cos(1) stay what they are: their common basis would be cos(1/10).
     constants = [x for x in f.atoms(sp.cos, sp.sin) if not x.free_symbols]
@@ -340,7 +340,7 @@ def exact_burgers_vector(
 
 
 def _refuse_poles(frame: Frame, loop: Loop, where: Mapping[sp.Symbol, sp.Expr]) -> None:
-    """Refuse a loop through a pole: of what sympy gives there, half may be missing."""
+    """Refuse a loop through a pole: sympy may omit half of its integral."""
     values = {s.name: v for s, v in where.items() if s in frame.field.symbols}
     here = loop.at(where) if loop.symbols else loop
     for part in here.parts:
@@ -413,7 +413,7 @@ def pieces(loop: Loop) -> Iterator[tuple[int, Piece]]:
     for part in loop.parts:
         if part.given is None:
             raise LoopError(
-                f"{loop.name}: this loop is known by numbers only, it has no closed form. "
+                f"{loop.name}: this loop is only known numerically, so it has no closed form. "
                 "Give a circle, ellipse, polygon or exact expressions."
             )
         for arc in part.arcs:

@@ -267,7 +267,7 @@ def _form(
     if unknown:
         raise MissingValueError(
             f"the frame contains unknown functions ({', '.join(unknown)}), but loops need numbers: "
-            "make a frame with definite functions in their place."
+            "make a frame with explicit functions instead."
         )
     elements = list(entries.values())
     function = numpy_function(elements, arguments, check=False)

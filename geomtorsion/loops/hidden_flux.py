@@ -24,7 +24,7 @@ from geomtorsion.support.precision import ball_precision
 if TYPE_CHECKING:
     from geomtorsion.geometry import Frame
 
-# The worst of the cells is halved so many times: a twentieth of a second.
+# Number of times that the worst cell is halved: a twentieth of a second.
 HALVINGS = 1000
 
 

@@ -374,7 +374,7 @@ def refuse_other_periods(forms: Forms, part: Part) -> None:
 def flux_at(
     forms: Forms, part: Part, offsets: np.ndarray, slopes: np.ndarray, rays: tuple[int, ...]
 ) -> np.ndarray:
-    """The integral along the rays through offsets, by Gauss with so many points; one n for each.
+    """The integral along the rays through offsets, by Gauss; rays: points of each rule.
 
     Shape (n, k) for one rule, (2 n, k) for two.
     """

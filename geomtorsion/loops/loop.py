@@ -297,8 +297,8 @@ class Loop:
         if np.abs(gap).max() > allowed:
             raise LoopError(
                 f"{self.name} starts at {shown(one.base)}, {other.name} at {shown(two.base)}: "
-                f"they miss each other by {shown(gap)}. Loops are run through one after the other "
-                "from one base point; give them the same one, for instance by polygons."
+                f"the gap is {shown(gap)}. Consecutive loops need a common base point: give both "
+                "the same base point, for instance as polygons."
             )
         return Loop(self.parts + other.parts, f"{self.name} then {other.name}")
 

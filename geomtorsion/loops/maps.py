@@ -29,7 +29,7 @@ from geomtorsion.support.executors import Executor, checked_executor, each_done
 from geomtorsion.support.hints import attribute_hints
 from geomtorsion.support.progress import PATIENCE, bar
 
-# Loops that are treated together: so many that the points of each need a few pieces.
+# Number of loops that are treated together: the points of each need a few pieces.
 TOGETHER = PIECE // 32
 # Points of the first level on a circle, and on the side of a cell: most are so small that half as
 # many are enough as for one loop.

@@ -152,7 +152,7 @@ def tetrahedra(complex: Complex) -> np.ndarray:
     Raises
     ------
     LimitError
-        There are so many that their fluxes would take hours.
+        There are too many: their fluxes would take hours.
     """
     low, high, start = complex.neighbours
     cliques = np.stack([low, high], axis=1)
@@ -181,7 +181,7 @@ def tetrahedra(complex: Complex) -> np.ndarray:
 
 
 def _blocks(ends: np.ndarray) -> Iterator[tuple[int, int]]:
-    """Ranges of entries with so many candidates together that they fit in memory."""
+    """Ranges of entries whose candidates fit in memory."""
     first = 0
     while first < len(ends):
         begun = ends[first - 1] if first else 0

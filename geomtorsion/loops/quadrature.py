@@ -279,7 +279,7 @@ def kronrod(
 def intervals(
     arcs: Sequence[Arc], cuts: Sequence[tuple[int, float]] = (), each: float = 0.5
 ) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """The first intervals on arcs, so many for each wave: owner, start and width, shape (p,)."""
+    """The first intervals on arcs, some for each wave: owner, start and width, shape (p,)."""
     counts = np.array([1 + int(each * arc.waves) for arc in arcs])
     owner = np.repeat(np.arange(len(arcs)), counts)
     low = (np.arange(len(owner)) - (np.cumsum(counts) - counts)[owner]) / counts[owner]

@@ -163,7 +163,7 @@ def _stuck(arcs: Sequence[Arc], stretches: _Stretches, worst: int) -> LoopError:
     place = shown(arc.shape(np.array([middle]))[0][:, 0])
     return LoopError(
         f"the development does not converge near offset {place} from the centre of the loop: the "
-        "frame is singular there, or turns without end. Move the loop away from that point."
+        "frame is singular there, or rotates without end. Move the loop away from that point."
     )
 
 

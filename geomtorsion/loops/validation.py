@@ -193,7 +193,7 @@ def value_rows(values: object, name: str, count: int) -> np.ndarray:
         k, i = bad[0].tolist()
         raise NetworkError(
             f"{name} {k}: expected finite values, got {table[k, i]} as component {i}. "
-            f"Leave the {name} out."
+            f"Omit the {name}."
         )
     return table.astype(float, copy=False)
 

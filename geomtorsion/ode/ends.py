@@ -11,9 +11,9 @@ import numpy as np
 class Ends:
     """The stop of each member; arrays that are filled while the members run.
 
-    stops: shape (number,), which of the conditions of the system, from 0 on; -1 for none.
-    times: shape (number,), of the stop; not a number for none.
-    states: shape (number, size), at the stop; not a number for none.
+    stops: shape (number,), which of the conditions of the system, from 0 on; -1 without a stop.
+    times: shape (number,), of the stop; NaN without a stop.
+    states: shape (number, size), at the stop; NaN without a stop.
     """
 
     stops: np.ndarray

@@ -471,7 +471,7 @@ class _Job:
         got = f"gets to {best:.2g}" if np.isfinite(best) else "gives no two runs to compare"
         return (
             f"expected accuracy {self.accuracy:.3g}; {self.engine.name} {got} in double "
-            f"precision. {listed(sorted(self.lacking))} Ask for less, or solve one by one with "
+            f"precision. {listed(sorted(self.lacking))} Request less, or solve one by one with "
             "Taylor(precision=113)."
         )
 

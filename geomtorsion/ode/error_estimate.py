@@ -32,28 +32,29 @@ from geomtorsion.ode.system import Engine, columns
 from geomtorsion.ode.trajectory import Segment, Stage, Trajectory
 from geomtorsion.support.precision import GOLDEN
 
-# The error is so many times the difference, for the finer run has an error of its own; and that run
-# starts so many units in the last place away, for roundings add up on the way.
+# Factor from the difference to the error, because the finer run has an error of its own. Also the
+# number of units in the last place by which the start of that run differs, because roundings add up
+# on the way.
 SAFETY = 2.0
-# A single difference of a name is not known better than to so many roundings.
+# A single difference of a named quantity is uncertain by this number of roundings.
 CHANCE = 20.0
-# Changes on the way are so many times as large as roundings, which they hide.
+# Changes on the way are larger than roundings by this factor, so that they hide them.
 MAGNIFIED = 1000.0
-# By so many times the root of the mean square of one, two, ... random numbers from a normal
-# distribution a further one is exceeded in two of a thousand cases (Student's distribution).
+# Quantiles of Student's distribution: a further random number exceeds the root mean square of one,
+# two, ... earlier ones by this factor in two of a thousand cases.
 STUDENT = (318.0, 22.3, 10.2, 7.2, 5.9, 5.2)
-# So many of them give an error that is not far too large.
+# Number of random changes that give an error estimate which is not far too large.
 ENOUGH = 3
-# Near unstable rests steps omitted up to 4e6 times less than the tolerance (500 motions): they omit
-# far more than roundings only where the tolerance is so many times larger than these.
+# Near unstable equilibria the errors of steps were down to 4e6 times smaller than the tolerance
+# (500 motions): they are certainly far larger than roundings only where the tolerance exceeds
+# roundings by this factor.
 FAR = 1e8
-# Each tolerance aims at this part of the accuracy, for errors do not follow it to the letter and
-# one more pair of runs costs more than a finer one.
+# Each tolerance aims at this part of the accuracy, because errors follow it only roughly and
+# another pair of runs costs more than a finer one.
 AIM = 0.1
-# States that are no larger than so many roundings of the terms of their rates have no size of their
-# own.
+# Below this number of roundings of the largest term of its rate, a state is rounding noise.
 NOISE = 100.0
-# They differ by more than this fraction of their size, because rounding errors are not smaller.
+# Noise in two runs differs by more than this fraction of its size.
 UNALIKE = 1 / NOISE
 
 
@@ -89,7 +90,7 @@ class Integration(Protocol):
 
 
 class Comparison(NamedTuple):
-    """A run with which an answer is compared; their difference counts so many times."""
+    """A run with which an answer is compared, and the factor of their difference."""
 
     run: Trajectory
     factor: float
@@ -216,7 +217,7 @@ def _noise(
 
 
 def change_by_rounding(engine: Engine, steps: float) -> float:
-    """Relative change of a state as large as what the roundings of so many steps add up to.
+    """Relative change of a state that is as large as the sum of the roundings of a number of steps.
 
     Each step rounds the state to half a unit in the last place at most. The roundings add up at
     random, as the square root of the number of steps.
@@ -458,7 +459,7 @@ def _matched(
     others: list[tuple[int, Segment, np.ndarray]],
     label: str,
 ) -> np.ndarray | None:
-    """States of the other trajectory at so many samples from a place on, as many as there are."""
+    """States of the other trajectory at a number of samples from an index on, or at the rest."""
     blocks = []
     for begin, segment, states in others:
         if place < 0 or begin < 0:

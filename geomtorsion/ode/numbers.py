@@ -31,7 +31,7 @@ def checked_numbers(values: object, wanted: int, what: str) -> tuple[Any, ...]:
 
 
 def mpf(value: Real, precision: int) -> mpmath.mpf:
-    """A number as mpmath number of so many bits."""
+    """A number as mpmath number with a given number of bits."""
     exact = exact_number(value, precision)
     if isinstance(exact, Fraction):
         with working_precision(precision):
@@ -85,8 +85,8 @@ def floats(values: Iterable[Real]) -> list[float]:
         return [float(value) for value in values]
     except (OverflowError, TypeError):
         raise StartError(
-            "numbers of the equations: expected real ones below 1.8e308 in size, got another. Use "
-            "other units, or real equations."
+            "numbers of the equations: expected real numbers below 1.8e308 in size, got another. "
+            "Use other units, or real equations."
         ) from None
 
 
@@ -193,7 +193,7 @@ def checked_times(t: object) -> tuple[np.ndarray, np.ndarray]:
     rising = times[-1] > 0
     if not ((steps > 0).all() if rising else (steps < 0).all()):
         raise TimeError(
-            "t: expected sorted times, got others. Sort them away from the start at t = 0."
+            "t: expected sorted times, got unsorted ones. Sort them from t = 0 outwards."
         )
     if (times[0] < 0) if rising else (times[0] > 0):
         raise TimeError(

@@ -763,7 +763,7 @@ class ODE(ByContent):
         }
 
     def _long_outputs(self, times: np.ndarray, states: np.ndarray, bits: int) -> np.ndarray:
-        """Outputs in numbers of so many bits, shape (size, m)."""
+        """Outputs in numbers with a number of bits, shape (size, m)."""
         engine, columns = Taylor(bits), []
         for time, row in zip(times.tolist(), states, strict=True):
             table = dict(self.parameters)

@@ -11,8 +11,8 @@ import numpy as np
 from geomtorsion.support.caching import read_only
 from geomtorsion.support.precision import GOLDEN
 
-# A motion is changed after each of so many equal numbers of steps: roundings are many where steps
-# are short.
+# Number of changes of a motion, after equal numbers of steps, because roundings are many where
+# steps are short.
 PLACES = 64
 
 
@@ -94,9 +94,10 @@ class Changes:
 
 @lru_cache(maxsize=64)
 def random_parts(first: int, size: int) -> np.ndarray:
-    """One and the golden section in turn, with signs that look random: roundings add up as these.
+    """Parts of changes: 1 and the golden section in turn, with pseudo-random signs.
 
-    Rows of so many for PLACES places on the way, the same in each call. first: number of the first.
+    They add up as roundings do. There is a row of `size` parts for each of PLACES places on the
+    way, equal in each call. first: number of the first row.
 
     Examples
     --------

@@ -117,7 +117,7 @@ class Problem(Protocol):
         ...
 
     def first_stage(self, precision: int, perturbation: float) -> Stage:
-        """The equations with their start; perturbation: the part by which this is changed."""
+        """The equations with their start; perturbation: relative change of the start."""
         ...
 
     def rows(self, segment: Segment, states: np.ndarray, label: str) -> np.ndarray:

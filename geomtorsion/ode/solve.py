@@ -50,11 +50,11 @@ from geomtorsion.support.progress import reports
 Progress: TypeAlias = Callable[[float], object]
 # Accuracy of a solution for which none is requested.
 ACCURACY = 1e-10
-# Where an engine of more digits leaves more than this part of the error, steps may pass over narrow
-# changes of the rates; then the way is cut into so many times more parts.
+# If an engine with more digits does not reduce the error below this part, steps may pass over
+# narrow changes of the rates. The way is then cut into FINE times more parts.
 NO_HELP = 0.1
 FINE = (8, 64)
-# Where an end belongs that is given to a solver.
+# Where a condition that ends a motion belongs, for messages to users who give it to a solver.
 STOP = "stop= of gt.geodesic or gt.autoparallel, or events=[gt.When(...)] of gt.ODE.of"
 
 
@@ -447,8 +447,8 @@ def is_coarse(accuracy: float) -> bool:
 def _remedy(engine: Engine | None) -> str:
     """What to do where an accuracy is not reached."""
     if engine is None and not is_available():
-        return "Install heyoka (the extra fast) for more digits, or ask for fewer."
-    return "Ask for less, for a shorter time, or use Taylor(precision=113) or more."
+        return "Install heyoka (the extra fast) for more digits, or request fewer."
+    return "Request less accuracy or a shorter time, or use Taylor(precision=113) or more."
 
 
 class Report:

@@ -237,7 +237,7 @@ class Hoisted:
         """Values of all parameters of `system`, from the parameters of the plain system.
 
         values: of one motion, or an array with one row for each motion.
-        bits: above 53 the constants of one motion are worked out to so many bits.
+        bits: above 53 the constants of one motion are computed with this number of bits.
         """
         if isinstance(values, np.ndarray) and values.ndim == 2:
             for part in self.constants:
@@ -259,7 +259,7 @@ class Hoisted:
         return np.array(row)
 
     def _long_numbers(self, row: list[Any], bits: int) -> list[Any]:
-        """The numbers of one motion to so many bits."""
+        """The numbers of one motion with a number of bits."""
         for part in self.constants:
             try:
                 row += part.exactly(row, bits)

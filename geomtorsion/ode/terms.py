@@ -32,7 +32,7 @@ def symbol_table(names: Iterable[str]) -> dict[str, sp.Symbol]:
     Raises
     ------
     ExpressionError
-        a name occurs twice, or is none.
+        a name occurs twice, or is invalid.
     """
     table: dict[str, sp.Symbol] = {}
     for name in names:
@@ -107,7 +107,7 @@ def number(value: Any, what: str) -> Real:
     Raises
     ------
     StartError
-        it is none.
+        it is not a finite real number.
     """
     if isinstance(value, str):
         value = expression(value, what, {})

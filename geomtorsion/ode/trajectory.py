@@ -42,8 +42,8 @@ class Event:
         continue, where the engine cannot).
     then: (time, state) -> the next stage, or None where the motion ends; None: it ends here.
     ending: (time, state) -> outcome and reason where nothing comes after; None: it is "stopped".
-    stop: state -> the condition that ends the motion although `then` knows a way on, or None where
-        something else than a condition has let the guard fall; None: there are no conditions.
+    stop: state -> the condition that ends the motion although `then` could continue it, or None
+        where something else than a condition has let the guard fall; None: there are no conditions.
     """
 
     when: float | None

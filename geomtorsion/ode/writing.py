@@ -59,7 +59,7 @@ def write_solution(
 
 
 def term_text(term: sp.Expr) -> str:
-    """An expression with its floats as the fractions that they are."""
+    """An expression with its floats as exact fractions."""
     return str(term.xreplace({number: sp.Rational(number) for number in term.atoms(sp.Float)}))
 
 

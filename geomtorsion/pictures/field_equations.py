@@ -120,6 +120,8 @@ def field_equations_lines(equations: FieldEquations, *, greek: bool) -> Iterator
         yield f"constants: {' '.join(equations.constants)}"
     for name, value in equations.scalars.items():
         yield f"{name} = {expression_text(value, greek=greek)}"
+    for remark in equations.remarks:
+        yield f"{remark}; choose another one by --connection"
     for name, tensor in equations.tensors.items():
         yield ""
         yield from (

@@ -69,6 +69,10 @@ def _for_browsers(latex: str) -> str:
     return _NAMED.sub(r"\1\\,", primed)
 
 
+# A percent sign that begins a comment of LaTeX: the backslashes before it make pairs.
+_COMMENT = re.compile(r"(?<!\\)(?:\\\\)*%")
+
+
 def fault(text: str) -> str:
     r"""The reason why a formula of a text cannot be set; empty if all formulas can.
 
@@ -82,9 +86,13 @@ def fault(text: str) -> str:
     the formula $\frac{1$: expected closing token "}", but reached end of input
     >>> print(fault("Let $r be the radius."))
     expected a second $ after '$r be the radius.', got none
+    >>> print(fault(r"$5\%$ of $r %$ is small."))
+    the formula $r %$: % hides the rest of its line; write \%
     """
     for match in FORMULA.finditer(text):
         latex = match[1] or match[2]
+        if _COMMENT.search(latex):
+            return f"the formula {cut(match[0], 80)}: % hides the rest of its line; write \\%"
         try:
             _convert(_for_browsers(latex))
         except LatexError as error:

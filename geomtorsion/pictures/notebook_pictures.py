@@ -40,7 +40,7 @@ def burgers_html(b: BurgersVector) -> str:
 
 
 def _components(b: BurgersVector) -> str:
-    """One component a line, with the error of all and the check."""
+    """One component per line, with the error of all and the check."""
     lines = [f"b{i} = {number_text(x, b.error)}" for i, x in enumerate(b.vector.tolist(), 1)]
     inside = [f"enclosed: {one}" for one in b.enclosed]
     route = f"error below {size_text(b.error)}; {b.reason}"

@@ -181,7 +181,7 @@ def _contracted(bound: arb_mat, defects: Sequence[arb], order: int) -> list[arb]
 
 
 def _exact(value: Any) -> sp.Expr:
-    """A number as an exact expression; floats are the dyadic numbers that they are."""
+    """A number as an exact expression; floats are binary fractions."""
     is_exact = isinstance(value, sp.Expr) and not value.has(sp.Float)
     return value if is_exact else sp.Rational(value)
 

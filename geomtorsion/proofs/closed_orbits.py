@@ -27,8 +27,8 @@ from geomtorsion.support.precision import ball_precision, series_length
 
 # Newton's method takes no more steps than this, and halves a step no more often.
 MOST_NEWTON = 20
-# Newton's method begins with so many bits, and ends three bits above rounding; then steps with the
-# last slopes take over.
+# Bits with which Newton's method begins; it ends three bits above rounding, and steps with the last
+# slopes follow.
 ROUGH = 23
 ROUGHLY = 2.0 ** (3 - ROUGH)
 # Half sides of the boxes that are tried, in bits below the size of the orbit: from a box in which
@@ -185,8 +185,8 @@ class _Search:
         here = self._tried(unknown, names)
         if here is None:
             raise ProofError(
-                "the motion from the guess is not followed over the guessed period. Give another "
-                "start or period."
+                "the motion from the guess cannot be followed over the guessed period. Give "
+                "another start or period."
             )
         for _ in range(MOST_NEWTON):
             _, inverse, step = here

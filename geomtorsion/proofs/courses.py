@@ -1,7 +1,7 @@
 """Courses: a problem as a proof sees it: its start, its equations, and when these change.
 
-All numbers are computed again in balls from the user's input: floats are the dyadic numbers that
-they are, fractions and expressions exact.
+All numbers are computed again in balls from the user's input: floats are exact binary
+fractions, fractions and expressions are exact.
 """
 
 from __future__ import annotations
@@ -77,7 +77,7 @@ class Course(Protocol):
 
 
 def exact_time(time: Any) -> fmpq:
-    """A time of any engine as the exact ratio that it is."""
+    """A time of any engine as an exact ratio."""
     ratio = rational(time)
     assert ratio is not None, "times are finite"
     return fmpq(ratio.numerator, ratio.denominator)

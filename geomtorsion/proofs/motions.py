@@ -21,8 +21,8 @@ from geomtorsion.proofs.wanted import log2
 TOO_WIDE = -8.0
 # Work that a proof may take: minutes of the double pendulum.
 MOST_STEPS = 100_000
-# A motion is stiff where so many steps in a row are so many times shorter than the time in which it
-# changes, and so many times as many would be needed: minutes in which nothing happens.
+# A motion is stiff if this number of steps in a row are shorter by this factor than the time in
+# which it changes, and this many times more steps would be needed: minutes without progress.
 STIFF = 100
 # Steps shorter than this part of the interval lead to a point where the motion ends.
 STANDSTILL = 2**50

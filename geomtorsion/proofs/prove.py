@@ -37,7 +37,7 @@ from geomtorsion.support.precision import EXACT_BITS, ball_precision, series_len
 Result: TypeAlias = BurgersVector | Development | Solution | HasInterpolant
 ALWAYS = (
     "components that a zero test dropped vanish, with the certainty of that test",
-    "floats are the dyadic numbers that they are; fractions, text and expressions are exact",
+    "floats are exact binary fractions; fractions, text and expressions are exact",
     "FLINT's ball arithmetic is right",
 )
 

@@ -16,10 +16,10 @@ from geomtorsion.errors import ProofError
 from geomtorsion.proofs.wanted import FAR_BELOW, around_zero, log2, upper
 from geomtorsion.support.precision import ball_precision
 
-# Bits of all that bounds small things: relative roundings of 2^-64 in these are nothing.
+# Bits of bounds of small quantities, in which relative roundings of 2^-64 do not matter.
 LOW_BITS = 64
-# States and radii that are so many bits below the largest are measured as if they were not: floats
-# end at 2^-1074.
+# States and radii further below the largest than this number of bits count as if they were this far
+# below: floats end at 2^-1074.
 FURTHEST = 300.0
 
 

@@ -33,12 +33,12 @@ from geomtorsion.support.precision import ball_precision
 
 # A state smaller than the largest by more bits than this counts as smaller by only these bits.
 SMALLER = 30
-# The radius of the disk is changed by this factor until a step gets no longer; where none is
-# proved, radius and step are changed by its third power, so many times at most.
+# The radius of the disk is changed by SHRINK until a step gets no longer. If no step is proved,
+# radius and step are changed by its third power, at most MOST_TRIES times.
 SHRINK, MOST_TRIES = 0.87, 100
-# The derivative V is known to about so many bits, by a series of no higher order than this.
+# Bits to which the derivative V is computed, and the highest order of its series.
 VARIATION_BITS, HIGHEST_VARIATION = 16, 24
-# A tube is widened to its own image so many times at most.
+# Largest number of times that a tube is widened to its own image.
 MOST_TUBES = 3
 # Terms of the series are no larger than the states times 2 to this power: larger ones would cancel.
 TERMS = 3

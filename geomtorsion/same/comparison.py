@@ -132,7 +132,7 @@ def parameter_values(one: Frame, two: Frame) -> dict[str, sp.Rational]:
             return values
     names = ", ".join(dict.fromkeys(map(str, (*two.parameters, *one.parameters))))
     raise ArgumentError(
-        f"expected parameters that both domains allow, found no values for {names}. Give them "
+        f"expected parameters that both domains allow, got no values for {names}. Give them "
         "values with frame.subs."
     )
 

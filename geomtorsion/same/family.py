@@ -236,7 +236,7 @@ def _named(invariants: Invariants) -> dict[str, Element]:
 def member_of(
     frame: Frame, family: Frame, keep: str, orientation: bool, flipped: bool = False
 ) -> Equivalence:
-    """The comparison of a geometry with the member of a family that it is, or with all members.
+    """The comparison of a geometry with a member of a family, or with all members.
 
     flipped: the family is the first geometry of the answer.
     """

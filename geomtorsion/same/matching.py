@@ -61,7 +61,7 @@ def identity(invariants: Invariants) -> Match:
 
 
 class Search:
-    """The search for a point of one geometry at which it looks as another does at its point."""
+    """The search for a point at which a geometry has the invariants of another at its point."""
 
     def __init__(
         self,

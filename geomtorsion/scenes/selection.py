@@ -36,18 +36,55 @@ _TOGETHER = {
 }
 
 
+# Cause of a row -> its sentence; a page in another language has its own.
+_CAUSES = {
+    "acts": "{title}; acts on {states}",
+    "stops": "{title}; watched, or stops the motion",
+    "unneeded": "acts only on {states}; no output needs these",
+    "idle": "acts on nothing here",
+    "watched": "{states}: watched",
+    "watched_as": "{states}: watched as {users}",
+    "stopping": "{states}: needed to stop by {users}",
+    "needed": "{states}: needed by {users}",
+    "needed_through": "{states}: needed by {users}, through {effects}",
+    "constant": "{states} constant: no force acts along it",
+    "no_user": "no output and no effect needs it",
+    "vertical": "the vertical is enough: nothing needs the rotation about it",
+    "part": "part of the attitude",
+    "constraint": "given by the constraint",
+}
+
+
 @dataclass(frozen=True)
 class SelectionRow:
     """One line of a selection: an effect, or a group of states.
 
-    kind: "effect" or "states"; name: what it is; inside: whether it is in the equations;
-    reason: why.
+    kind: "effect" or "states"; name: what it is; inside: whether it is in the equations.
+    cause: why, a word; title: of an effect; states: that it acts on, or that it has; users:
+    outputs, groups or effects that need it; effects: through which they do.
+
+    Examples
+    --------
+    >>> row = SelectionRow("states", "vertical", True, "needed", states=("n1..n3",), users=("x",))
+    >>> row.reason
+    'n1..n3: needed by x'
     """
 
     kind: str
     name: str
     inside: bool
-    reason: str
+    cause: str
+    title: str = ""
+    states: tuple[str, ...] = ()
+    users: tuple[str, ...] = ()
+    effects: tuple[str, ...] = ()
+
+    @property
+    def reason(self) -> str:
+        """The cause as a sentence."""
+        states, users, effects = map(", ".join, (self.states, self.users, self.effects))
+        sentence = _CAUSES[self.cause]
+        return sentence.format(title=self.title, states=states, users=users, effects=effects)
 
 
 @dataclass(frozen=True, eq=False)
@@ -248,16 +285,10 @@ def _rows(selection: StateSelection) -> tuple[SelectionRow, ...]:
     rows = []
     solved = set(selection.states) | {s.name for s in selection.constants}
     for key, title in selection.titles.items():
-        inside = key in selection.effects
-        if inside:
-            acts = _listed(selection._touched(key) & solved)
-            why = f"{title}; acts on {acts}" if acts else f"{title}; watched, or stops the motion"
-        else:
-            acts = _listed(selection._touched(key))
-            why = f"acts only on {acts}; no output needs these"
-            if not acts:
-                why = "acts on nothing here"
-        rows.append(SelectionRow("effect", key, inside, why))
+        inside, touched = key in selection.effects, selection._touched(key)
+        acts = _listed(touched & solved if inside else touched)
+        cause = ("acts" if acts else "stops") if inside else ("unneeded" if acts else "idle")
+        rows.append(SelectionRow("effect", key, inside, cause, title, acts))
     return (*rows, *_state_rows(selection))
 
 
@@ -268,10 +299,14 @@ def _state_rows(selection: StateSelection) -> Iterable[SelectionRow]:
         groups.setdefault(group_of(name), []).append(name)
     for group, members in groups.items():
         node = group if group in ("attitude", "vertical") else members[0]
-        yield SelectionRow("states", group, True, f"{_listed(members)}: {_wanted(selection, node)}")
+        cause, users, effects = _wanted(selection, node)
+        states = _listed(members)
+        yield SelectionRow(
+            "states", group, True, cause, states=states, users=users, effects=effects
+        )
     if selection.constants:
         names = _listed(s.name for s in selection.constants)
-        yield SelectionRow("states", "velocity", False, f"{names} constant: no force acts along it")
+        yield SelectionRow("states", "velocity", False, "constant", states=names)
     substitutions = selection.assembly.substitutions
     listed_groups = {*groups, *(["velocity"] if selection.constants else [])}
     for group, symbols in (
@@ -280,18 +315,18 @@ def _state_rows(selection: StateSelection) -> Iterable[SelectionRow]:
     ):  # fmt: skip
         if group in listed_groups:
             continue
-        why = "no output and no effect needs it"
+        cause = "no_user"
         if group == "attitude" and "vertical" in listed_groups:
-            why = "the vertical is enough: nothing needs the rotation about it"
+            cause = "vertical"
         elif group == "vertical" and "attitude" in listed_groups:
-            why = "part of the attitude"
+            cause = "part"
         elif symbols[0] in substitutions:
-            why = "given by the constraint"
-        yield SelectionRow("states", group, False, why)
+            cause = "constraint"
+        yield SelectionRow("states", group, False, cause)
 
 
-def _wanted(selection: StateSelection, node: str) -> str:
-    """The reason for a state: outputs first, then the rates that contain it."""
+def _wanted(selection: StateSelection, node: str) -> tuple[str, tuple[str, ...], tuple[str, ...]]:
+    """Cause, users and effects of a state: outputs first, then the rates that contain it."""
     graph, needed = selection.graph, selection._needed
     watchers = [
         other.removeprefix("watch ")
@@ -299,22 +334,23 @@ def _wanted(selection: StateSelection, node: str) -> str:
         if other.startswith("watch ")
     ]
     if watchers:
-        return f"watched as {_listed(watchers)}" if watchers != [node] else "watched"
+        return ("watched", (), ()) if watchers == [node] else ("watched_as", _listed(watchers), ())
     stops = [other for other in graph.successors(node) if other.startswith("stop ")]
     if stops:
-        return f"needed to stop by {_listed(other.removeprefix('stop ') for other in stops)}"
+        return "stopping", _listed(other.removeprefix("stop ") for other in stops), ()
     users = [o for o in graph.successors(node) if o in needed and not o.startswith("effect ")]
     helpers = [
         key
         for key in selection.effects
         if key not in ("spin", "drift") and set(users) & selection._touched(key)
     ]
-    groups = dict.fromkeys(map(group_of, users))
-    through = f", through {_listed(helpers)}" if helpers and node != "rotation" else ""
-    return f"needed by {_listed(groups)}{through}"
+    groups = _listed(dict.fromkeys(map(group_of, users)))
+    if helpers and node != "rotation":
+        return "needed_through", groups, _listed(helpers)
+    return "needed", groups, ()
 
 
-def _listed(names: Iterable[str]) -> str:
+def _listed(names: Iterable[str]) -> tuple[str, ...]:
     """Names, in order, runs such as Omega1, Omega2, Omega3 shortened."""
     names = list(names) if isinstance(names, list | tuple | dict) else sorted(names)
     for run in (OMEGA, QUATERNION, VERTICAL):
@@ -323,7 +359,7 @@ def _listed(names: Iterable[str]) -> str:
             place = min(names.index(name) for name in whole)
             names = [n for n in names if n not in whole]
             names.insert(place, f"{whole[0]}..{whole[-1]}")
-    return ", ".join(names)
+    return tuple(names)
 
 
 def _selected_again(

@@ -7,7 +7,7 @@ from dataclasses import replace
 from os import PathLike
 from typing import Any
 
-from geomtorsion.errors import ArgumentError, FileFormatError
+from geomtorsion.errors import ArgumentError, CoframeError, FileFormatError, MetricError
 from geomtorsion.geometry import (
     Connection,
     Frame,
@@ -16,6 +16,7 @@ from geomtorsion.geometry import (
     from_contortion,
     from_spin_connection,
 )
+from geomtorsion.geometry.differentials import is_flat, written_out
 from geomtorsion.spaces.space import Space
 from geomtorsion.spaces.vocabulary import (
     FLAG,
@@ -118,7 +119,10 @@ def read_file(path: str | PathLike[str]) -> Space:
     file = path.name
     _check_keys(file, data)
     shape = _only(file, data, SHAPE_KEYS, required=True)
-    words = vocabulary(file, data, dimension_of(file, shape, data[shape]))
+    # A line element is a text; its dimension is the number of the coordinates.
+    is_line = shape == "metric" and isinstance(data[shape], str)
+    n = 0 if is_line else dimension_of(file, shape, data[shape])
+    words = vocabulary(file, data, n)
     name = one_line(_text(file, data, "name")) or path.stem
     frame = _named(words, data, _frame(words, data, shape, name))
     connection = _connection(words, data, frame)
@@ -194,7 +198,14 @@ def _frame(words: Vocabulary, data: Mapping[str, object], shape: str, name: str)
         _without(file, data, shape, "complex", "domain")
         constants = antisymmetric_array(words, shape, data[shape], n)
         return Frame.from_structure_constants(constants, words.coordinates, signature, name)
-    entries = array(words, shape, data[shape], 2, n)
+    entries = data[shape]
+    if is_flat(entries):
+        taken = [*words.symbols, *words.functions]
+        try:
+            entries = written_out(entries, shape, words.coordinates, taken, words.with_forms)
+        except (CoframeError, MetricError) as error:
+            raise FileFormatError(f"{file}: {error}") from error
+    entries = array(words, shape, entries, 2, n)
     options: dict[str, Any] = {"parameters": words.parameters, "domain": domain, "name": name}
     if shape == "metric":
         _without(file, data, shape, "complex")

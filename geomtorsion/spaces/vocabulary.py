@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import re
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import partial
 from typing import Any
 
@@ -45,7 +45,7 @@ class Vocabulary:
         return {symbol.name: symbol for symbol in (*self.coordinates, *self.parameters)}
 
     def expression(self, value: object, place: str) -> sympy.Expr:
-        """An entry of the file as a sympy expression: an integer, or text.
+        """An entry of the file as a sympy expression: an integer, or text; an expression is itself.
 
         Raises
         ------
@@ -61,10 +61,16 @@ class Vocabulary:
             return parse_expression(
                 value, self.symbols, self.functions, where=where, unknown=DECLARE
             )
+        if isinstance(value, sympy.Expr):
+            return value
         raise FileFormatError(
             f"{self.file}: {place}: expected an integer or an expression in quotes, got "
             f'{_kind(value)}. Write for instance "r*sin(theta)".'
         )
+
+    def with_forms(self, text: str, place: str, forms: Sequence[sympy.Symbol]) -> sympy.Expr:
+        """A text that may contain the differentials of the coordinates."""
+        return replace(self, parameters=(*self.parameters, *forms)).expression(text, place)
 
     def relations(self, value: object, place: str) -> list[sympy.Rel]:
         """Inequalities such as "0 < theta < pi" as sympy relations."""

@@ -249,7 +249,7 @@ def test_the_bicycle_cannot_be_written_out_and_names_the_remedy():
         (
             lambda: gt.linearized(SLEDGE, SLEIGH, constraints=["u2 - u1"], at={"u1": 1, "u2": 2}),
             StartError,
-            r"expected u\d = .*, as the constraints have it",
+            r"expected u\d = .*, as the constraints require",
         ),
         (
             lambda: gt.linearized(

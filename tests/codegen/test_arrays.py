@@ -108,5 +108,5 @@ def test_arguments_that_do_not_fit():
     read = [Field([x, y]).read(x + y)]
     with pytest.raises(ArgumentError, match="expected numbers or arrays of one shape"):
         numpy_function(read, [x, y])([1.0, 2.0], [1.0, 2.0, 3.0])
-    with pytest.raises(ArgumentError, match=r"symbols\[2\]: x came twice"):
+    with pytest.raises(ArgumentError, match=r"symbols\[2\]: x occurs twice"):
         numpy_function(read, [x, y, sp.Symbol("x", positive=True)])

@@ -240,7 +240,7 @@ def test_legs_of_a_metric_do_not_change_coordinates():
     """A metric would choose other legs, so that numbers of legs would mean others."""
     bound = gt.constrained(ENERGY, (0, 2))
     u, v = sp.symbols("u v", real=True)
-    with pytest.raises(CoframeError, match="legs that a metric chose"):
+    with pytest.raises(CoframeError, match="legs derived from a metric"):
         bound.in_coordinates([u, v, theta], [u + v, u - v, theta])
 
 

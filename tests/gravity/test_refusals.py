@@ -87,6 +87,11 @@ def test_a_term_that_vanishes_for_the_connection_is_named() -> None:
     assert "vanishes" not in repr(g.equations(gt.cartan(COSMOS), "nieh_yan"))
     both = g.equations([gt.cartan(COSMOS), gt.levi_civita(COSMOS)], "T + Rbar + Tbar")
     assert repr(both).endswith("; Tbar vanishes for every Levi-Civita connection")
+    # Any cosmos would solve "general relativity" of parallel legs, which have no curvature.
+    empty = g.equations(gt.cartan(COSMOS), "R")
+    assert empty.E.is_zero
+    assert "; R vanishes for every Cartan connection" in str(empty)
+    assert "vanishes" not in repr(g.equations(gt.levi_civita(COSMOS), "R"))
 
 
 @pytest.mark.parametrize(("call", "error", "words"), REFUSALS)

@@ -19,7 +19,7 @@ TIMES = [0.1, 1 / 3, 1 - 2.0**-30]
 
 
 def exact(time):
-    """A float as the ratio that it is."""
+    """A float as an exact ratio."""
     return arb(fmpq(*float(time).as_integer_ratio()))
 
 

@@ -30,7 +30,7 @@ def reference(
     Raises
     ------
     LoopError
-        The loop is known by numbers only.
+        The loop is only known numerically.
     """
     given = checks.by_name(parameters, "parameters")
     values = {name: exact_number(value) for name, value in given.items()}

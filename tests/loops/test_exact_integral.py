@@ -131,9 +131,9 @@ def test_no_closed_form_raises_an_error() -> None:
 
 
 def test_a_spline_has_no_closed_form() -> None:
-    """A spline, which is known by numbers only, is refused."""
+    """A spline, which is only known numerically, is refused."""
     spline = Loop.spline([[0, 1, 0], [1, 1, 0], [0, 2, 0]])
-    with pytest.raises(LoopError, match="known by numbers only"):
+    with pytest.raises(LoopError, match="only known numerically"):
         exact_burgers_vector(load("so3").frame, spline)
     with pytest.raises(LoopError, match="the loop has 2 coordinates"):
         exact_burgers_vector(load("so3").frame, Loop.circle([0, 0], 1))

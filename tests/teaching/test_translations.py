@@ -30,7 +30,7 @@ PROSE = re.compile(r"\\text\{[^}]*\}")
 # Language -> words that it shares with English.
 SAME = {
     "de": {"in", "In", "Python", "yes", "phi", "Animation", "Torsion"},
-    "fr": {"point", "points", "question", "verdict"},
+    "fr": {"circuit", "point", "points", "question", "verdict"},
 }
 
 

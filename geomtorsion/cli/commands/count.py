@@ -38,7 +38,8 @@ def count(
             "--connection",
             metavar="NAME",
             text="teleparallel (or cartan), riemannian (or levi-civita), poincare, 'symmetric "
-            "teleparallel' or flat (only matter varies). A named theory has its own.",
+            "teleparallel' or flat (only matter varies). Default: the one of a named theory, or by "
+            "the words of the Lagrangian (R, T, Q; poincare for R with T).",
         ),
     ] = None,
     dimension: Annotated[int, typer.Option(metavar="N", help="Dimension: 2, 3 or 4.")] = 4,

@@ -51,7 +51,7 @@ def modes(
             "--geometry",
             metavar="NAME",
             text="riemannian, teleparallel or 'symmetric teleparallel'. "
-            "A named theory has its own.",
+            "Default: the one of a named theory, or by the words of the Lagrangian (R, T or Q).",
         ),
     ] = None,
     kind: Annotated[

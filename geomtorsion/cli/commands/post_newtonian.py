@@ -31,8 +31,8 @@ def post_newtonian(
             "-g",
             "--geometry",
             metavar="NAME",
-            text="riemannian, teleparallel or 'symmetric teleparallel'. A named theory has its "
-            "own.",
+            text="riemannian, teleparallel or 'symmetric teleparallel'. Default: the "
+            "one of a named theory, or by the words of the Lagrangian (R, T or Q).",
         ),
     ] = None,
     constants: ConstantsOption = "",

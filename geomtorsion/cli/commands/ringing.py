@@ -39,8 +39,14 @@ def ringing(
     scalar: ScalarOption = None,
     potential: MaxwellOption = None,
     geometry: Annotated[
-        str, typer.Option("-g", "--geometry", metavar="NAME", help="riemannian or teleparallel.")
-    ] = "riemannian",
+        str | None,
+        option(
+            "-g",
+            "--geometry",
+            metavar="NAME",
+            text="riemannian or teleparallel. Default: teleparallel for T, riemannian for others.",
+        ),
+    ] = None,
     form: Shown = Form.text,
     output: Annotated[
         Path | None,

@@ -34,7 +34,8 @@ def spectrum(
             "--geometry",
             metavar="NAME",
             text="riemannian, teleparallel, 'symmetric teleparallel', poincare (metric connection "
-            "with torsion) or metric-affine. A named theory has its own.",
+            "with torsion) or metric-affine. Default: the one of a named theory, or by the words "
+            "of the Lagrangian (R, T, Q; poincare for R with T).",
         ),
     ] = None,
     constants: ConstantsOption = "",

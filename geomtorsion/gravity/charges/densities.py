@@ -23,7 +23,7 @@ from geomtorsion.support import arguments, checks
 
 @dataclass(frozen=True)
 class Request:
-    """What a user asks for; see `charge`.
+    """The arguments of `charge`.
 
     connection: the connection that was given, or None for a frame.
     """

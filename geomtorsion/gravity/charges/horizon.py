@@ -1,4 +1,4 @@
-"""Horizon: what a horizon can be asked."""
+"""Horizon: radius, temperature, entropy and more of one horizon."""
 
 from __future__ import annotations
 

@@ -38,21 +38,28 @@ class Jet:
         return list(self.equations(self.series, self.fields))
 
     @cached_property
+    def _slopes(self) -> list[np.ndarray]:
+        """Size of each derivative of a field in each equation at the point.
+
+        Only there: coefficients of high degree miss products that the series cut off.
+        """
+        return [
+            np.abs(one.slope[:, :, 0]).max(axis=0) for one in self._values if one.slope is not None
+        ]
+
+    @cached_property
     def order(self) -> int:
         """Highest number of derivatives of a field in an equation."""
-        degrees = self.series.degrees
-        sizes = [
-            np.abs(one.slope).max(axis=(0, 2)) for one in self._values if one.slope is not None
-        ]
+        degrees, sizes = self.series.degrees, self._slopes
         # Coefficients that cancel leave rounding.
         least = math.sqrt(EPS) * max((float(x.max()) for x in sizes), default=0.0)
         return max((int(degrees[np.flatnonzero(x > least)[-1]]) for x in sizes if x.max() > least),
                    default=0)  # fmt: skip
 
-    def is_empty(self, scale: float) -> bool:
-        """Whether no equation depends on any field, except by rounding of terms of this scale."""
-        slopes = [one.slope for one in self._values if one.slope is not None]
-        return not any((np.abs(slope) > EPS * scale).any() for slope in slopes)
+    @property
+    def is_empty(self) -> bool:
+        """Whether no equation depends on any field, except by rounding of terms that cancel."""
+        return not any((sizes > EPS**0.75).any() for sizes in self._slopes)
 
     def _rows(self, order: int) -> np.ndarray:
         """Places of the coefficients of an equation that truncation leaves right."""

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
+from fractions import Fraction
 from itertools import combinations, product
 from typing import Any
 
@@ -70,6 +71,7 @@ class Setting:
     kind: the varied fields. coordinates: in order. constants: values by name.
     equations: makes field equations from connections and fields of matter.
     scalars, vectors, two_forms: numbers of these fields.
+    unit: the size of coefficients in the Lagrangian; equations are multiples of it.
     """
 
     kind: Varied
@@ -79,6 +81,7 @@ class Setting:
     scalars: int
     vectors: int
     two_forms: int
+    unit: Fraction = Fraction(1)
 
     @property
     def dimension(self) -> int:
@@ -129,7 +132,7 @@ class Setting:
         for tensor in theory.matter_equations.values():
             indices = product(range(self.dimension), repeat=len(tensor.slots))
             listed += [tensor.components.get(index) for index in indices]
-        return listed
+        return [one.field.scaled(one, 1 / self.unit) for one in listed]
 
 
 def _scalar(frame: Frame, element: Numeric) -> Tensor:

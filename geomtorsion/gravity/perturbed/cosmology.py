@@ -28,6 +28,7 @@ from geomtorsion.gravity.perturbed.geometries import (
     names_of,
     shown,
     theory_in,
+    titled,
 )
 from geomtorsion.gravity.perturbed.time_orders import TimeOrders, orders_of_cosmos
 from geomtorsion.gravity.theory.field_equations import FieldEquations, equations
@@ -114,7 +115,7 @@ class TensorModes:
         if not orders:
             raise GravityError(
                 "tensor_modes: expected a theory with gravitational waves, got none for "
-                f"{self.equations.lagrangian!r}. Add a term of gravity such as R/2."
+                f"{titled(self.equations.lagrangian)}. Add a term of gravity such as R/2."
             )
         if (2, 0) not in orders or orders - {(2, 0), (1, 0), (0, 2), (0, 0)}:
             raise GravityError(
@@ -296,7 +297,7 @@ class TensorModes:
 
     def __str__(self) -> str:
         lines = [
-            f"gravitational waves of {self.equations.lagrangian!r}",
+            f"gravitational waves of {titled(self.equations.lagrangian)}",
             f"M^2 = {shown(self.kinetic)}",
             f"c_T^2 = {shown(self.speed2)}",
             f"friction = {shown(self.friction)}",
@@ -336,8 +337,8 @@ def tensor_modes(
     lagrangian
         As in `gravity.equations`; functions such as f(R) stay unknown.
     geometry
-        "riemannian", "teleparallel" or "symmetric teleparallel". A `gravity.Lagrangian` has its
-        own. Beside T or Q, the Lagrangian may contain Rbar: f(T, Rbar + T).
+        "riemannian", "teleparallel" or "symmetric teleparallel"; the default is read from
+        the Lagrangian, see `spectrum`. Beside T or Q, the Lagrangian may contain Rbar: f(T, Rbar + T).
     scalars
         Names of scalar fields that depend on the time, "phi".
     constants, invariants
@@ -356,7 +357,7 @@ def tensor_modes(
     >>> perturbed.tensor_modes("R/2 - X/2 + c*phi*GB", "riemannian", scalars="phi").speed2
     (8*c*Derivative(phi(t), (t, 2)) + 1)/(8*c*H(t)*Derivative(phi(t), t) + 1)
     """
-    name = geometry_of(lagrangian, geometry)
+    name = geometry_of(lagrangian, geometry, invariants)
     if name not in WITHOUT_CONNECTION:
         raise GravityError(
             f"tensor_modes: expected a geometry of {', '.join(WITHOUT_CONNECTION)}, got {name}. "

@@ -28,6 +28,7 @@ from geomtorsion.gravity.perturbed.geometries import (
     riemannian_only,
     shown,
     theory_in,
+    titled,
 )
 from geomtorsion.gravity.theory.field_equations import FieldEquations, equations
 from geomtorsion.gravity.theory.invariants import Invariant
@@ -130,8 +131,8 @@ class Growth:
         if not values or any(x.has(*unknowns) for x in values):
             raise GravityError(
                 "growth: expected equations that determine the potentials of dust, got "
-                f"{'several' if values else 'no'} potentials for {self.equations.lagrangian!r}. "
-                "Add a term of gravity such as R/2."
+                f"{'several' if values else 'no'} potentials for "
+                f"{titled(self.equations.lagrangian)}. Add a term of gravity such as R/2."
             )
         return [sp.factor(x) for x in values]
 
@@ -176,7 +177,7 @@ class Growth:
         }
 
     def __str__(self) -> str:
-        head = f"growth of dust in {self.equations.lagrangian!r}"
+        head = f"growth of dust in {titled(self.equations.lagrangian)}"
         return f"{head}\nG = {shown(self.G)}\nPhi/Psi = {shown(self.slip)}"
 
     __repr__ = __str__
@@ -192,9 +193,7 @@ def _rates(expression: sp.Expr) -> set[sp.Expr]:
 
 
 def _geometry_of_dust(lagrangian: object, geometry: object) -> str:
-    """The name of the geometry, riemannian for a text; others for functions of T or Q."""
-    if geometry is None and not isinstance(lagrangian, Lagrangian):
-        return "riemannian"
+    """The name of the geometry: riemannian, or the geometry of functions of T or Q."""
     name = geometry_of(lagrangian, geometry)
     return name if name in SCALAR_OF else riemannian_only(lagrangian, geometry, "growth")
 
@@ -244,8 +243,8 @@ def growth(
     lagrangian, constants, invariants
         As in `scalar_modes`. The dust couples to the metric.
     geometry
-        "riemannian", which is also the geometry of a text, "teleparallel" for f(T), or "symmetric
-        teleparallel" for f(Q); scalar fields may be added to these.
+        "riemannian", "teleparallel" for f(T), or "symmetric teleparallel" for f(Q); the default is
+        read from the Lagrangian, see `spectrum`. Scalar fields may be added to these.
     scalars
         Names of scalar fields that depend on the time, "phi".
 

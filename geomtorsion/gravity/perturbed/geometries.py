@@ -21,10 +21,13 @@ from geomtorsion.geometry import (
     levi_civita,
 )
 from geomtorsion.gravity.theory.field_equations import FieldEquations
+from geomtorsion.gravity.theory.geometries import listed
+from geomtorsion.gravity.theory.invariants import INVARIANTS, Invariant
 from geomtorsion.gravity.theory.lagrangian import Lagrangian, known_as
 from geomtorsion.gravity.theory.lagrangian import names as gravity_names
 from geomtorsion.gravity.theory.matter import MatterField, maxwell, scalar_field
 from geomtorsion.gravity.theory.naming import shorthand
+from geomtorsion.gravity.theory.vocabulary import BOUNDARY
 from geomtorsion.support import checks
 
 # Coordinates of flat space; a wave travels along z.
@@ -136,22 +139,31 @@ GEOMETRIES = {
     "metric-affine": FlatGeometry(_metric_affine, tuple(_tensor("w", 3)), "metric-affine"),
 }
 # Geometry of a theory -> the one of its small fields.
-OF_THEORY = {"metric": "poincare", "any": "poincare"}
+OF_THEORY = {"metric": "poincare"}
+# Invariants that vanish for the Levi-Civita connection.
+WITH_TORSION = frozenset(("holst", "nieh_yan", "P2", "P3", "P5"))
 
 
-def geometry_of(lagrangian: object, name: object) -> str:
-    """The name of the geometry: given, or the one for which the theory is meant."""
+def geometry_of(
+    lagrangian: object,
+    name: object,
+    invariants: Invariant | Iterable[Invariant] = (),
+    choices: Sequence[str] = tuple(GEOMETRIES),
+    bare: str = "riemannian",
+) -> str:
+    """The name of the geometry: given, assumed by the theory, or read from the Lagrangian.
+
+    bare: geometry of a Lagrangian without an invariant of torsion, curvature or nonmetricity.
+    """
     if name is None:
-        if not isinstance(lagrangian, Lagrangian):
-            raise GravityError(
-                "geometry: expected a geometry, got none for a Lagrangian in text. Give one of "
-                f"{', '.join(GEOMETRIES)}."
-            )
-        return OF_THEORY.get(lagrangian.geometry, lagrangian.geometry)
+        theory = known_as(lagrangian)
+        meant = OF_THEORY.get(theory.geometry, theory.geometry)
+        own = listed(invariants, Invariant, "invariants", "gravity.invariant(name, formula)")
+        name = _meant(theory, own, bare) if meant == "any" else meant
     if isinstance(name, str):
-        plain = {_plain(one): one for one in GEOMETRIES}
+        plain = {_plain(one): one for one in choices}
         name = plain.get(_plain(name), name)
-    return checks.choice(name, tuple(GEOMETRIES), "geometry", GravityError)
+    return checks.choice(name, tuple(choices), "geometry", GravityError)
 
 
 def _plain(name: str) -> str:
@@ -159,10 +171,32 @@ def _plain(name: str) -> str:
     return name.lower().replace("-", " ").replace("_", " ").strip()
 
 
+def _meant(theory: Lagrangian, invariants: Sequence[Invariant], bare: str) -> str:
+    """The geometry with the fewest fields in which no invariant of a theory vanishes."""
+    known = INVARIANTS | {one.name: one for one in (*theory.invariants, *invariants)}
+    words = set(re.findall(r"[^\W\d]\w*+(?!\s*\()", str(theory.expression)))  # no functions
+    terms = [term for name in words & known.keys() for term in known[name].products(4)]
+    tensors = [one for term in terms for one in term.factors if not one.suffix]
+    has = {one.name for one in tensors} | ({"T"} if BOUNDARY in words else set())
+    # Its trace R_abc^c vanishes for metric connections.
+    traced = any(one.name == "R" and one.indices[2] == one.indices[3] for one in tensors)
+    if traced or ("Q" in has and has & {"R", "T"}):
+        return "metric-affine"
+    if words & WITH_TORSION or {"R", "T"} <= has:
+        return "poincare"
+    if has & {"Q", "T"}:
+        return "teleparallel" if "T" in has else "symmetric teleparallel"
+    return "riemannian" if "R" in has else bare
+
+
+def titled(theory: Lagrangian, geometry: str = "") -> str:
+    """The Lagrangian and its geometry, for the first line of a result."""
+    own = f"{theory.name}, " if theory.name != Lagrangian.name else ""
+    return f"{own}L = {theory.expression} ({geometry or theory.geometry})"
+
+
 def riemannian_only(lagrangian: object, geometry: object, caller: str) -> str:
-    """The name of the geometry, riemannian for a text; others are refused."""
-    if geometry is None and not isinstance(lagrangian, Lagrangian):
-        return "riemannian"
+    """The name of the geometry, which must be riemannian."""
     name = geometry_of(lagrangian, geometry)
     if name != "riemannian":
         raise GravityError(

@@ -22,13 +22,13 @@ def fitted(
     fields: numbers of vector fields and of two-forms.
 
     The fit holds for all numbers that are the same with one order less, from some order on. These
-    are at least n + 1 numbers, one more than the phase space determines, and a known symmetry has
-    as many functions of n variables. No later number is below the fit, because numbers only fall
-    where the order grows.
+    are at least n + 1 numbers, one more than the phase space determines, and at least four, because
+    three numbers fit too easily. A known symmetry has as many functions of n variables. No later
+    number is below the fit, because numbers only fall where the order grows.
     """
     known = _symmetries(geometry, gauge, n, *fields)
     same = confirmed(numbers, shorter)
-    for place in range(same - n):
+    for place in range(same - max(n, 3)):
         heads = [int(np.diff(numbers, k)[place]) for k in range(n + 1)]
         values = [polynomial(heads, q) for q in range(len(numbers) - place)]
         pairs = list(zip(numbers[place:], values, strict=True))
@@ -51,7 +51,7 @@ def polynomial(heads: Sequence[int], q: int) -> int:
 def _symmetries(
     geometry: str, gauge: tuple[tuple[int, int], ...], n: int, vectors: int, two_forms: int
 ) -> dict[int, tuple[tuple[int, int], ...]]:
-    """Number of functions of n variables -> the gauge symmetries that have so many.
+    """Number of functions of n variables -> the gauge symmetries with this number.
 
     Diffeomorphisms change coframe and metric by first derivatives, rotations of a tetrad change it
     without a derivative, and a gradient changes a vector field. A two-form is changed by the

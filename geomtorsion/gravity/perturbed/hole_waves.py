@@ -330,7 +330,7 @@ def _mass2(hole: Hole, wave: Mapping[tuple[int, int], sp.Expr]) -> sp.Expr:
 
 
 def _maxwell(theory: Theory, hole: Hole, l: int) -> Radial:  # noqa: E741
-    """A Maxwell test field, whose parities ring alike: A_phi."""
+    """A Maxwell test field, whose parities have equal modes: A_phi."""
     (a,) = _functions("a")
     frame = _frame(hole, _at_rest(hole))
     slope = sp.sin(THETA) * sp.legendre(l, sp.cos(THETA)).diff(THETA)

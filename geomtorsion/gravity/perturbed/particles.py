@@ -21,6 +21,7 @@ from geomtorsion.gravity.perturbed.geometries import (
     small_frame,
     small_matter,
     theory_in,
+    titled,
 )
 from geomtorsion.gravity.perturbed.sectors import Sector, helicities, spins
 from geomtorsion.gravity.perturbed.taylor import about_flat_space
@@ -148,6 +149,7 @@ class Spectrum:
     --------
     >>> from geomtorsion.gravity import perturbed
     >>> print(perturbed.spectrum("R/2 + c*R**2", "riemannian"))
+    particles of L = R/2 + c*R**2 (riemannian)
     2 particles, 3 degrees of freedom, 10 gauge functions
     massless, helicity +-2, energy positive, 2 modes
     spin 0+, m^2 = 1/(12*c), energy positive, 1 mode
@@ -247,6 +249,7 @@ class Spectrum:
 
     def __str__(self) -> str:
         count = len(self.particles)
+        title = f"particles of {titled(self.lagrangian, self.geometry)}"
         head = f"{count} particle{'s' if count != 1 else ''}, {self.degrees_of_freedom} degrees of "
         head += f"freedom, {self.gauge} gauge functions"
         if self.conditions:
@@ -258,7 +261,7 @@ class Spectrum:
         if self.healthy == sp.false and self.healthy_opposite != sp.false:
             other = _healthy_text(self.healthy_opposite)
             last += f"\nthe opposite action, L = -({self.lagrangian.expression}): {other}"
-        return "\n".join([head, *map(str, self.particles), *odd, last])
+        return "\n".join([title, head, *map(str, self.particles), *odd, last])
 
     __repr__ = __str__
 
@@ -418,7 +421,9 @@ def spectrum(
         derivatives in flat space: f_0, f_R, f_RR of f(R), where f_0 = 0 makes it a solution.
     geometry
         "riemannian", "teleparallel", "symmetric teleparallel", "poincare" (metric connection with
-        torsion) or "metric-affine". A `gravity.Lagrangian` has its own.
+        torsion) or "metric-affine". By default the geometry of a `gravity.Lagrangian`, or the
+        geometry with the fewest fields in which no invariant vanishes: riemannian for R,
+        teleparallel for T, symmetric teleparallel for Q, poincare for R and T.
     scalars
         Names of scalar fields, "phi" or "phi chi"; the first has the kinetic term X.
     vectors
@@ -441,7 +446,7 @@ def spectrum(
     >>> perturbed.spectrum("T", "teleparallel").degrees_of_freedom
     2
     """
-    name = geometry_of(lagrangian, geometry)
+    name = geometry_of(lagrangian, geometry, invariants)
     kind = GEOMETRIES[name]
     frame, fields = small_frame()
     matter, more = small_matter(

@@ -17,7 +17,7 @@ from geomtorsion.geometry.numeric.power_series import PowerSeries
 from geomtorsion.gravity.charges.spheres import number
 from geomtorsion.gravity.numeric.solution_jets import Jet, noise
 from geomtorsion.gravity.numeric.varied import Potentials, Setting, varied
-from geomtorsion.gravity.perturbed.geometries import GEOMETRIES, OF_THEORY, names_of, theory_in
+from geomtorsion.gravity.perturbed.geometries import GEOMETRIES, geometry_of, names_of, theory_in
 from geomtorsion.gravity.perturbed.hilbert import confirmed, fitted, polynomial
 from geomtorsion.gravity.perturbed.trial_fields import (
     moved,
@@ -58,7 +58,7 @@ class DegreesOfFreedom:
     branch: names of the invariants of the Lagrangian whose gradient vanishes at the point of the
         solution.
     invariants: values of all invariants of the Lagrangian at the point.
-    parameters: values of the constants. assumed: what the count rests on, in words.
+    parameters: values of the constants. assumed: assumptions of the count, in words.
     fields: coefficients of the solution, for a later call (near=answer).
     """
 
@@ -240,8 +240,8 @@ def degrees_of_freedom(
         Text or a theory, as in `gravity.equations`.
     geometry
         "flat" (only matter varies), "riemannian", "teleparallel", "symmetric teleparallel" (in the
-        coincident gauge) or "poincare" (coframe and metric connection); None: the geometry of the
-        theory.
+        coincident gauge) or "poincare" (coframe and metric connection). The default is
+        read from the Lagrangian, see `spectrum`; flat where it contains only matter.
     dimension
         2, 3 or 4; 4 takes minutes for theories of a coframe.
     near
@@ -258,7 +258,8 @@ def degrees_of_freedom(
         Values of the constants of the Lagrangian; others get a value, which `.assumed` lists.
     order
         Highest order of the power series; by default the dimension plus the order of the
-        equations, and one more where the count is not settled. A higher order can only lower H.
+        equations, and up to three more where the count is not settled. A higher order can only
+        lower H.
     seed
         Seed of the random change of the start: equal calls give equal answers.
 
@@ -276,11 +277,12 @@ def degrees_of_freedom(
     (Fraction(1, 1), True, ((1, 1),))
     """
     n = checks.count(dimension, "dimension", GravityError, 2, 4)
-    name = _geometry(lagrangian, geometry)
+    own = listed(invariants, Invariant, "invariants", "gravity.invariant(name, formula)")
+    bare = "flat" if scalars or vectors or two_forms else "riemannian"
+    name = geometry_of(lagrangian, geometry, own, NAMES, bare)
     theory = (
         theory_in(lagrangian, name) if name in GEOMETRIES else theory_in(lagrangian, "poincare")
     )
-    own = listed(invariants, Invariant, "invariants", "gravity.invariant(name, formula)")
     theory = replace(theory, geometry="any",
                      constants=(*declared_constants(theory.constants),
                                 *declared_constants(constants)),
@@ -317,20 +319,22 @@ def degrees_of_freedom(
         )
     values, assumed = _constants(setting, parameters)
     setting = replace(setting, constants=values)
+    setting = replace(setting, unit=_unit(setting))
     probe = PowerSeries(n, 4)
     source = near.fields if isinstance(near, DegreesOfFreedom) else near
     begun = trial(setting, probe, source, formulas)
     first = Jet(probe, moved(begun, probe, setting, seed), setting.residuals)
-    terms = sp.Add.make_args(sp.expand(theory.expression))
-    if first.is_empty(max(abs(float(_coefficient(x, values))) for x in terms)):
-        kept = np.abs(first.residual(0)).max(initial=0) > HALF
+    if first.is_empty:
+        kept = np.abs(first.residual(probe.order)).max(initial=0) > HALF
         came = "a number that is not zero" if kept else "zero for every field"
         raise GravityError(
             f"lagrangian: expected field equations, got {came} from L = {theory.expression} in {n} "
             "dimensions. Give a Lagrangian whose variation contains the fields."
         )
     highest = first.order
-    orders = [n + highest, n + highest + 1]
+    # In four dimensions, or with a connection of its own, an order more can take minutes.
+    more = 2 if n == 4 or kind.turning else 4
+    orders = [n + highest + k for k in range(more)]
     if order is not None:
         orders = [checks.count(order, "order", GravityError, highest + 1)]
     begin = "flat space" if near is None else "the start in near"
@@ -362,10 +366,21 @@ def degrees_of_freedom(
     return answer
 
 
-def _coefficient(term: sp.Expr, values: Mapping[str, Any]) -> sp.Expr:
-    """The number before the invariants of a term, with values of its constants."""
-    known = {x: sp.Rational(values[x.name]) for x in term.free_symbols if x.name in values}
-    return term.xreplace(known).as_coeff_Mul()[0]
+def _at_point(setting: Setting) -> FieldEquations:
+    """The theory with constant fields."""
+    flat = PowerSeries(setting.dimension, 0)
+    return setting.theory(flat, trial(setting, flat, None, {}), moving=False)
+
+
+def _unit(setting: Setting) -> Fraction:
+    """The power of two next to the largest coefficient of the Lagrangian: the unit of equations."""
+    terms = sp.Add.make_args(sp.expand(_at_point(setting).expression))
+    known = setting.constants
+    sizes = []
+    for term in terms:
+        values = {x: sp.Rational(known[x.name]) for x in term.free_symbols if x.name in known}
+        sizes.append(abs(float(term.xreplace(values).as_coeff_Mul()[0])))
+    return Fraction(2) ** round(math.log2(max(sizes))) if any(sizes) else Fraction(1)
 
 
 def _solution(
@@ -385,25 +400,12 @@ def _solution(
     return Jet(series, fields, setting.residuals).solved()
 
 
-def _geometry(lagrangian: object, name: object) -> str:
-    """The name of the geometry: given, or the one for which the theory is meant."""
-    if name is None and isinstance(lagrangian, Lagrangian):
-        name = OF_THEORY.get(lagrangian.geometry, lagrangian.geometry)
-    if name is None:
-        raise GravityError(
-            "geometry: expected a geometry, got none for a Lagrangian in text. Give one of "
-            f"{', '.join(NAMES)}."
-        )
-    return checks.choice(name, NAMES, "geometry", GravityError)
-
-
 def _constants(
     setting: Setting, parameters: Mapping[str, object] | None
 ) -> tuple[dict[str, float], list[str]]:
     """Values of the constants of the Lagrangian, and which of them were assumed."""
     given = checks.by_name(checks.table(parameters, "parameters"), "parameters", GravityError)
-    flat = PowerSeries(setting.dimension, 0)
-    names = setting.theory(flat, trial(setting, flat, None, {}), moving=False).constants
+    names = _at_point(setting).constants
     for text in given:
         checks.known_name(text, names, "parameters", GravityError, expected="a constant of L")
     values, assumed = {}, []

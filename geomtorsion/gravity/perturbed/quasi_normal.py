@@ -17,7 +17,7 @@ from geomtorsion.exact import parse_expression
 from geomtorsion.geometry.connections import FrameLike, as_frame
 from geomtorsion.gravity.perturbed.collocation import Hole, R
 from geomtorsion.gravity.perturbed.frequencies import frequencies
-from geomtorsion.gravity.perturbed.geometries import theory_in
+from geomtorsion.gravity.perturbed.geometries import geometry_of, theory_in
 from geomtorsion.gravity.perturbed.hole_waves import SYSTEMS, Theory
 from geomtorsion.gravity.perturbed.static_holes import chart_of, fields_of
 from geomtorsion.gravity.theory.lagrangian import Lagrangian, known_as, names
@@ -137,7 +137,7 @@ def ringing(
     modes: int = 1,
     digits: int = 8,
     parameters: Mapping[str, object] | None = None,
-    geometry: str = "riemannian",
+    geometry: str | None = None,
     matter: MatterField | Iterable[MatterField] | None = None,
 ) -> Ringing:
     """Quasi-normal modes of a static, spherical black hole of a theory.
@@ -171,7 +171,7 @@ def ringing(
     parameters
         Numbers for the parameters of frame and Lagrangian, {"M": 1}.
     geometry
-        "riemannian" or "teleparallel".
+        "riemannian" or "teleparallel"; by default teleparallel for T, riemannian for others.
     matter
         Fields of the hole: electric or magnetic, `maxwell(["Q/r", 0, 0, 0])` or
         `maxwell([0, 0, 0, "-P*cos(theta)"])`, whose waves are coupled with gravity, and a
@@ -197,7 +197,7 @@ def ringing(
     checks.count(modes, "modes", GravityError, 1, 20)
     checks.count(digits, "digits", GravityError, 1, 30)
     checks.choice(parity, PARITIES, "parity", GravityError)
-    checks.choice(geometry, ("riemannian", "teleparallel"), "geometry", GravityError)
+    geometry = geometry_of(known, geometry, (), ("riemannian", "teleparallel"))
     space = as_frame(frame, "frame", GravityError)
     values = {str(x): _number(value, str(x)) for x, value in (parameters or {}).items()}
     chart = chart_of(space, values)

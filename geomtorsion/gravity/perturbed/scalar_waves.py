@@ -25,6 +25,7 @@ from geomtorsion.gravity.perturbed.geometries import (
     riemannian_only,
     shown,
     theory_in,
+    titled,
 )
 from geomtorsion.gravity.perturbed.time_orders import orders_of_cosmos
 from geomtorsion.gravity.theory.field_equations import FieldEquations, equations
@@ -92,19 +93,20 @@ class ScalarModes:
         if any(x.is_zero for x in shift):
             raise GravityError(
                 "scalar_modes: expected a theory whose equation of the shift gives the lapse, got "
-                f"{self.equations.lagrangian!r}. Add a term of gravity such as R/2."
+                f"{titled(self.equations.lagrangian)}. Add a term of gravity such as R/2."
             )
         if self._density.is_zero and self._written(self._gradient) != 0:
             raise GravityError(
                 "scalar_modes: expected a theory with a scalar wave, got the kinetic factor 0 with "
-                f"a gradient for {self.equations.lagrangian!r}: a cuscuton, whose field follows "
-                "from the other fields at each instant (Afshordi, Chung and Geshnizjani 2007). "
+                f"a gradient for {titled(self.equations.lagrangian)}: a cuscuton, whose field "
+                "follows from the other fields at each instant (Afshordi, Chung and Geshnizjani "
+                "2007). "
                 "It has no wave to report; see the gravitational waves with perturbed.tensor_modes."
             )
         if self._density.is_zero:
             raise GravityError(
                 "scalar_modes: expected a theory with a scalar wave, got the kinetic factor 0 for "
-                f"{self.equations.lagrangian!r}. Add a kinetic term such as -X/2."
+                f"{titled(self.equations.lagrangian)}. Add a kinetic term such as -X/2."
             )
         if self._rate.has(H.diff(T)):
             raise GravityError(
@@ -240,7 +242,7 @@ class ScalarModes:
 
     def __str__(self) -> str:
         lines = [
-            f"scalar waves of {self.equations.lagrangian!r}",
+            f"scalar waves of {titled(self.equations.lagrangian)}",
             f"Q_s = {shown(self.kinetic)}",
             f"c_s^2 = {shown(self.speed2)}",
             f"friction = {shown(self.friction)}",
@@ -275,7 +277,7 @@ def scalar_modes(
     lagrangian
         As in `gravity.equations`; functions such as K(X) stay unknown, X = g^ab phi_a phi_b.
     geometry
-        "riemannian", which is also the geometry of a text. A `gravity.Lagrangian` has its own.
+        Only "riemannian"; see `spectrum` for the default.
     scalars
         The name of the scalar field that depends on the time.
     constants, invariants

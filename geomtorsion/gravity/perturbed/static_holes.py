@@ -276,7 +276,7 @@ def _charges(
     if magnetic != 0 and electric.has(RHO):
         raise GravityError(
             "matter: expected an electric or a magnetic charge, got both. For L linear in F2 "
-            "give one electric charge, the root of the sum of both squares: it rings alike."
+            "give one electric charge, the root of the sum of both squares: it has the same modes."
         )
     return chart.by_radius(electric), magnetic
 

@@ -26,6 +26,7 @@ from geomtorsion.gravity.perturbed.geometries import (
     replacements,
     shown,
     theory_in,
+    titled,
 )
 from geomtorsion.gravity.perturbed.solar_system import CASSINI, MEASUREMENTS, SolarTest
 from geomtorsion.gravity.perturbed.taylor import about_flat_space
@@ -113,8 +114,8 @@ class PostNewtonian:
         if not values or {*unknowns} & set().union(*(x.free_symbols for x in values)):
             raise GravityError(
                 "post_newtonian: expected equations that determine the field of a mass, got "
-                f"{'several fields' if values else 'no field'} for {self.lagrangian!r}. A static "
-                "field of this theory needs more components."
+                f"{'several fields' if values else 'no field'} for {titled(self.lagrangian)}. A "
+                "static field of this theory needs more components."
             )
         # The energy density of L = R/2 is 2 k^2 in E and k^2 in M.
         density = _component(system, 1, (0, 0)).sympy.subs(turn) / _weight(system)
@@ -209,7 +210,7 @@ class PostNewtonian:
         if not values or values[0].free_symbols & {*unknowns}:
             raise GravityError(
                 "post_newtonian: expected a second order 1/r^2 of the field of a mass, got "
-                f"{'several' if values else 'none'} for {self.lagrangian!r}. Use gamma."
+                f"{'several' if values else 'none'} for {titled(self.lagrangian)}. Use gamma."
             )
         return sp.factor(sp.Rational(1, 2) + values[0])
 
@@ -304,7 +305,7 @@ class PostNewtonian:
         }
 
     def __str__(self) -> str:
-        lines = [f"field of a mass at rest in {self.lagrangian!r}"]
+        lines = [f"field of a mass at rest in {titled(self.lagrangian)}"]
         if self.values:
             lines[0] += ", " + ", ".join(f"{x} = {value}" for x, value in self.values.items())
         lines.append(", ".join(f"{name} = {shown(value)}" for name, value in self.numbers.items()))
@@ -413,7 +414,7 @@ def post_newtonian(
     >>> theory.gamma, theory.beta
     ((om + 1)/(om + 2), 1)
     """
-    name = geometry_of(lagrangian, geometry)
+    name = geometry_of(lagrangian, geometry, invariants)
     if name not in WITHOUT_CONNECTION:
         raise GravityError(
             f"post_newtonian: expected a geometry of {', '.join(WITHOUT_CONNECTION)}, got {name}. "

@@ -76,7 +76,7 @@ class Beginning:
 
     @cached_property
     def first(self) -> tuple[sp.Expr, dict[str, sp.Expr]]:
-        """The value of the variable where numbers start, and all states there.
+        """The value of the variable where the integration starts, and all states there.
 
         Raises
         ------
@@ -86,7 +86,7 @@ class Beginning:
         return self.within(None)
 
     def within(self, reach: sp.Expr | None) -> tuple[sp.Expr, dict[str, sp.Expr]]:
-        """The same as `first`, from a power series that leads at most the reach away."""
+        """The same as `first`, at most at the distance `reach` from the origin."""
         if self.centre is None:
             return self.place, self.states
         return self.centre.beside(self.values, self.parameters, self.near, reach)

@@ -18,7 +18,7 @@ from geomtorsion.support import checks
 
 @dataclass(frozen=True, eq=False)
 class Branch:
-    """Rules and constraints of residuals, where some factors vanish besides.
+    """Rules and constraints of residuals, where some factors also vanish.
 
     eliminated: the rules and constraints. factors: residuals that were added, none in the first
         branch of most equations.

@@ -153,9 +153,10 @@ class Catalogue:
                 )
         return reading
 
-    def absent(self, name: str) -> tuple[str, str] | None:
+    def absent(self, name: str, *, varied: bool = True) -> tuple[str, str] | None:
         """The kind of connection for which an invariant vanishes, and connections that have it.
 
+        varied: whether an invariant counts as present if its derivatives do not vanish also.
         None if it does not vanish for all connections of these kinds.
         """
         factors = [
@@ -165,7 +166,7 @@ class Catalogue:
         for product in factors:
             own = [x for x in product if x.name[-1] in self._absent_of(x)]
             # The Cartan connection is varied: the derivative of R by its curvature does not vanish.
-            if not own or (own[0].name[-1] == "R" and len(own) == 1):
+            if not own or (varied and own[0].name[-1] == "R" and len(own) == 1):
                 break
             gone.append(own[0])
         else:

@@ -89,10 +89,7 @@ class FieldEquations:
     def __repr__(self) -> str:
         names = ", ".join(one.name for one in self.connections)
         constants = ", constants: " + " ".join(self.constants) if self.constants else ""
-        zeros = "".join(
-            f"; {name} vanishes for every {kind} connection"
-            for name, (kind, _) in self._absent.items()
-        )
+        zeros = "".join(f"; {remark}" for remark in self.remarks)
         return f"field equations of {self.lagrangian!r} ({names}){constants}{zeros}"
 
     def __str__(self) -> str:
@@ -219,6 +216,27 @@ class FieldEquations:
         """Invariant -> the kind of connection for which it vanishes, and others that have it."""
         kinds = {name: self._catalogue.absent(name) for name in self._named.symbols.values()}
         return {name: kind for name, kind in kinds.items() if kind is not None}
+
+    @property
+    def remarks(self) -> list[str]:
+        """Sentences about invariants that vanish for all connections of these kinds.
+
+        Examples
+        --------
+        >>> import geomtorsion as gt
+        >>> cosmos = gt.spaces.load("frw_flat").frame
+        >>> gt.gravity.equations(gt.cartan(cosmos), "R").remarks
+        ['R vanishes for every Cartan connection']
+        """
+        kinds = {
+            name: self._catalogue.absent(name, varied=False)
+            for name in self._named.symbols.values()
+        }
+        return [
+            f"{name} vanishes for every {kind[0]} connection"
+            for name, kind in kinds.items()
+            if kind
+        ]
 
     @cached_property
     def _named(self) -> Reading:

@@ -30,6 +30,9 @@ MATTER = {
     "H2": "gravity.kalb_ramond(B)",
     "B2": "gravity.kalb_ramond(B)",
 }
+# The same for perturbations and counts, which make the fields themselves.
+SCALARS = 'scalars="phi" (on the command line --scalars phi)'
+COUNTED = {"F2": "vectors=1", "H2": "two_forms=1", "B2": "two_forms=1"}
 # The cosmological constant: the one constant that is added to invariants without a declaration.
 COSMOLOGICAL = ("Lambda", "Λ")
 # The boundary term in f(T, B), which has derivatives of torsion.
@@ -159,7 +162,8 @@ class Vocabulary:
             owned = "a matter field" if base == name else "another matter field"
             raise GravityError(
                 f"lagrangian: {name} belongs to {owned}, and none is given. Give matter="
-                f"{MATTER[base]}, or rename the parameter if {name} is yours."
+                f"{MATTER[base]}, in perturbations {COUNTED.get(base, SCALARS)}, or rename the "
+                f"parameter if {name} is yours."
             )
         if name.lower() in WORDS:
             raise GravityError(

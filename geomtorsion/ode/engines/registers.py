@@ -12,10 +12,10 @@ import numpy as np
 from geomtorsion.ode.ends import Ends
 from geomtorsion.ode.system import STANDSTILL, Batch
 
-# How members are put together and looked at decides about speed, not about results: systems of at
-# most so many states take two registers at a time;
+# The grouping of members changes speed, not results. Systems of at most this number of states use
+# two registers at a time;
 FEW = 4
-# after so many steps one looks which members still get anywhere.
+# after this number of steps, members that no longer advance are searched.
 MOST_STEPS = 20_000
 
 
@@ -147,8 +147,8 @@ class _Walk:
 
     times: of each member, shape (m, width).
     samples, met, lasts, taken: filled in: states at the times, shape (m, size, width); which output
-        of the guard a member has met, -1 for none; the state there; least and longest step and
-        their number.
+        of the guard a member has met, or -1; the state there; least and longest step and their
+        number.
     """
 
     integrator: Any
@@ -235,9 +235,9 @@ def _go_on(
     most: int,
     step: Mapping[str, object],
 ) -> None:
-    """Go on until all members have arrived, get no further or took most steps.
+    """Continue until each member has arrived, no longer advances or took the most steps.
 
-    There is a look after each MOST_STEPS, of which some have been taken. step: heyoka's option for
+    Members are checked after each MOST_STEPS; steps taken before count. step: heyoka's option for
     the longest step.
     """
     before = np.zeros(len(ends))

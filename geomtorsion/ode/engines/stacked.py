@@ -49,7 +49,7 @@ def _run_part(batch: Batch, tolerance: float, part: slice, most: int) -> None:
     Raises
     ------
     WorkLimitError
-        It takes more than so many evaluations of the rates.
+        It takes more evaluations of the rates than the limit.
     """
     system, times = batch.system, batch.times
     y0 = batch.states[part].T

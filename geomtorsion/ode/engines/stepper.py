@@ -30,11 +30,12 @@ from geomtorsion.support.caching import cached_property
 
 # Larger systems are faster on arrays; the steps are the same.
 LARGEST = 24
-# The next step as part of what the error allows, and of the last step, as scipy has them.
+# Safety factor of the next step, and its smallest and largest ratio to the last one, as in scipy.
 SAFETY, SHORTEST, LONGEST = 0.9, 0.2, 10.0
-# So many times are worked out one by one: faster, and the same.
+# Up to this number, times are evaluated one by one: faster, with equal results.
 FEW_TIMES = 4
-# Steps of fewer last places of the time are too small; ends so many of these ahead are reached.
+# Steps below this number of last places of the time are too small; an end within NEAR_END of these
+# smallest steps is reached.
 LEAST_ULPS = 10
 NEAR_END = LEAST_ULPS**2
 
@@ -85,7 +86,7 @@ class Polynomial:
 
 def too_many_evaluations(most: int, time: float) -> WorkLimitError:
     """The error of a run that evaluates its rates without end."""
-    advice = "Ask for less accuracy or time, use engine=Stiff(), or raise max_evaluations."
+    advice = "Request less accuracy or time, use engine=Stiff(), or raise max_evaluations."
     return WorkLimitError(f"{most} evaluations of the rates", time, advice, "t")
 
 
@@ -139,7 +140,7 @@ class Steps:
         self.rates = tuple(self.inner(*self.state))
 
     def inner(self, *state: float) -> Any:
-        """The rates at a state; no numbers where there are none."""
+        """The rates at a state; NaN where they have no value."""
         try:
             return self._function(*state, *self.values)
         except NO_VALUE:

@@ -45,14 +45,14 @@ from geomtorsion.support.precision import EXACT_BITS
 
 # Equations of more values than this are not unrolled.
 LONGEST_UNROLLED = 400
-# Guards are watched at this part of their value: heyoka counts events among the states by whose
-# size it measures its steps.
+# Guards are scaled by this factor, because heyoka includes events among the states whose size
+# determines its steps.
 FAINT = Fraction(1, 2**30)
 # Bytes of optimised code that heyoka may leave on the disk. Its own default is 21 gigabytes; to
 # open a cache takes 0.4 seconds for each gigabyte in it.
 DISK = 2**28
-# After so many portions of steps the rest of a run has optimised code: to compile it takes as long
-# as it saves in 65,000 to 600,000 steps (tops, autoparallels, Kerr orbits).
+# After this number of portions of steps a run continues in optimised code. Compiling it takes as
+# long as it saves in 65,000 to 600,000 steps (tops, autoparallels, Kerr orbits).
 LONG = 75
 
 
@@ -577,7 +577,7 @@ class Taylor:
             if at_sample or moved < STANDSTILL * abs(float(grid[-1] - grid[0])):
                 return np.concatenate(rows), "stuck", steps, longest, "the steps became too small"
             if steps > self.max_steps:
-                advice = "Ask for less accuracy or time, use engine=Stiff(), or raise max_steps."
+                advice = "Request less accuracy or time, use engine=Stiff(), or raise max_steps."
                 reached = float(integrator.time)
                 raise WorkLimitError(f"{self.max_steps} steps", reached, advice, "t")
             if watch is not None:

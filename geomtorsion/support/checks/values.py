@@ -164,7 +164,7 @@ def rational(
 ) -> sp.Expr:
     """A finite real number as an exact sympy number; roots and pi stay as they are.
 
-    decimal: 0.3 means 3/10; otherwise it means the fraction of powers of two that it is.
+    decimal: 0.3 means 3/10; otherwise it means its exact binary fraction.
 
     Examples
     --------

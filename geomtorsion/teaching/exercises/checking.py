@@ -14,6 +14,7 @@ from geomtorsion.teaching.exercises.limits import MOST
 from geomtorsion.teaching.exercises.question import HALF, scaled
 from geomtorsion.teaching.exercises.reading import UnitError, read
 from geomtorsion.teaching.exercises.verdict import MESSAGES, QuestionVerdict, message_of
+from geomtorsion.teaching.messages import in_language
 from geomtorsion.teaching.texts import Texts, texts
 
 if TYPE_CHECKING:
@@ -37,11 +38,12 @@ def check_question(question: Question, given: object) -> QuestionVerdict:
         value = read(question, given)
         return replace(_checked(question, value), read_as=_preview(question, value))
     except UnitError as error:
-        return _wrong(question, "unit", str(error))
+        code, message = "unit", str(error)
     except LimitError as error:
-        return _wrong(question, "too large", str(error))
+        code, message = "too large", str(error)
     except (GeomtorsionError, ArithmeticError, ValueError, RecursionError) as error:
-        return _wrong(question, "unreadable", str(error) or type(error).__name__)
+        code, message = "unreadable", str(error) or type(error).__name__
+    return _wrong(question, code, in_language(message, question.language))
 
 
 def _message(question: Question, code: str) -> str:

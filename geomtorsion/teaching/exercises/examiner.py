@@ -9,6 +9,7 @@ from geomtorsion.teaching.exercises.exercise import Exercise
 from geomtorsion.teaching.exercises.registry import Own, load
 from geomtorsion.teaching.exercises.verdict import QuestionVerdict, Verdict
 from geomtorsion.teaching.exercises.worker_pool import EXCEEDED, STARTING, Json, WorkerPool
+from geomtorsion.teaching.messages import in_language
 from geomtorsion.teaching.texts import ENGLISH, Language, texts
 
 # Far more than a right answer takes.
@@ -94,6 +95,7 @@ class Examiner:
 def _unchecked(exercise: Exercise, answers: Mapping[str, object], reason: str) -> Verdict:
     """The verdict on answers that could not be checked."""
     verdicts, text = [], texts("feedback", "checking", exercise.language)
+    reason = in_language(reason, exercise.language)
     for question in exercise.questions:
         is_answered = question.name in answers
         code = "too large" if is_answered else "empty"

@@ -20,7 +20,6 @@ from geomtorsion.teaching.exercises.equations import equations
 from geomtorsion.teaching.exercises.expressions import expression
 from geomtorsion.teaching.exercises.limits import MOST
 from geomtorsion.teaching.exercises.question import example
-from geomtorsion.teaching.texts import texts
 
 if TYPE_CHECKING:
     from geomtorsion.teaching.exercises.compare import Index, Value
@@ -115,9 +114,9 @@ def numbers(question: Question, given: object, where: str) -> dict[Index, float]
         text, factor = _without_unit(question, given, where)
         comma = re.fullmatch(r"\s*([-+]?[0-9]+),([0-9]+)\s*", str(text)[:100])
         if comma and not question.shape:
-            words = texts("feedback", "checking", question.language)
             raise ExpressionError(
-                words("comma", name=where, answer=comma[0].strip(), right=f"{comma[1]}.{comma[2]}")
+                f"{where}: expected a number with a decimal point, got {comma[0].strip()}. Write "
+                f"{comma[1]}.{comma[2]}."
             )
     if not question.shape:
         return {(): factor * _float(expression(question, text, where), where)}

@@ -203,7 +203,7 @@ class WorkerPool:
 
 
 def serve(function: Callable[[Json], Json], requests: IO[str], replies: IO[str]) -> None:
-    """Report that this process is ready, then answer requests, one a line, until they end.
+    """Report that this process is ready, then answer requests, one per line, until they end.
 
     A request that needs more memory or depth than is available gets `{"exceeded": which}`.
     """

@@ -153,7 +153,7 @@ def compass(language: str) -> str:
 
 def tetrads(language: str) -> str:
     """Some tetrads with their geometry."""
-    parts, named = [], space_titles(language)
+    parts, named, stories = [], space_titles(language), texts("spaces", "stories", language)
     for name in TETRADS:
         facts = space_info(name)
         reply = task("tetrad")(
@@ -163,7 +163,7 @@ def tetrads(language: str) -> str:
             signature=facts["signature"],
             language=language,
         )
-        story = f"<p>{escape(facts['story'])}</p>"
+        story = f"<p>{escape(stories(name))}</p>"
         opened = " open" if name == TETRADS[0] else ""
         parts.append(
             f'<details{opened} id="{name}"><summary><strong>{escape(name)}: '

@@ -17,6 +17,7 @@ from geomtorsion.teaching.lab.plot import key, mark, plane, svg
 from geomtorsion.teaching.lab.settings import PAGE
 from geomtorsion.teaching.lab.space_info import space_of
 from geomtorsion.teaching.lab.turning import Curve, Film, in_space, thinned
+from geomtorsion.teaching.messages import in_language
 from geomtorsion.teaching.texts import ENGLISH, Texts, texts
 
 if TYPE_CHECKING:
@@ -207,5 +208,8 @@ def _sentence(pair: Pair, largest: float, text: Texts) -> str:
         first = text("coincide", distance=size_text(largest, 0))
     else:
         first = text("separate", distance=f"{largest:.4g}")
-    stops = [text(f"ended_{curve}", reason=reason) for curve, reason in pair.stops.items()]
+    stops = [
+        text(f"ended_{curve}", reason=in_language(reason, text.language))
+        for curve, reason in pair.stops.items()
+    ]
     return " ".join([first, *stops])

@@ -103,7 +103,6 @@ def space_form(space: str) -> Json:
     return {
         "name": chosen.name,
         "title": chosen.title,
-        "story": chosen.story,
         "coordinates": [symbol.name for symbol in frame.coordinates],
         "parameters": [symbol.name for symbol in frame.parameters],
         "functions": _functions(frame),

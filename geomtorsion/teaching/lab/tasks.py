@@ -19,7 +19,11 @@ from geomtorsion.errors import GeomtorsionError, LimitError, UnknownNameError
 from geomtorsion.support.exclusive import exclusive
 from geomtorsion.teaching.exercises.worker_pool import EXCEEDED, Json, WorkerPool
 from geomtorsion.teaching.lab.settings import PAGE
+from geomtorsion.teaching.messages import in_language
+from geomtorsion.teaching.texts import ENGLISH, languages
 
+# The messages of a reply.
+_MESSAGES = ("problem", "refused")
 BROKEN = (
     "the process that computed this request ended unexpectedly. Your other input is not lost. "
     "Change this input and try again."
@@ -148,9 +152,23 @@ def answer(request: Json) -> Json:
     if "attached" in request:
         arguments["content"] = base64.b64decode(request["attached"])
     try:
-        return task(request["task"])(**arguments)
+        reply = task(request["task"])(**arguments)
     except GeomtorsionError as error:
-        return {"problem": str(error)}
+        reply = {"problem": str(error)}
+    return _in_language(reply, arguments)
+
+
+def _in_language(reply: Json, arguments: Mapping[str, Any]) -> Json:
+    """A reply whose messages are in the language of the request."""
+    language = arguments.get("language", ENGLISH)
+    if language not in languages():
+        return reply
+    own: dict[str, Any] = {
+        key: in_language(reply[key], language) for key in _MESSAGES if key in reply
+    }
+    if errors := reply.get("errors"):
+        own["errors"] = {place: in_language(text, language) for place, text in errors.items()}
+    return {**reply, **own}
 
 
 class Runner(Protocol):
@@ -200,13 +218,13 @@ class TaskRunner:
                     return self.replies[key]
             reply = self.pool.ask(sent, seconds)
         except (LimitError, UnknownNameError) as error:
-            return {"problem": str(error)}
+            return _in_language({"problem": str(error)}, arguments)
         except TimeoutError:
-            return {"problem": too_long(f"{seconds:g}")}
+            return _in_language({"problem": too_long(f"{seconds:g}")}, arguments)
         except ChildProcessError:
-            return {"problem": BROKEN}
+            return _in_language({"problem": BROKEN}, arguments)
         if EXCEEDED in reply:
-            reply = {"problem": too_much(reply)}
+            reply = _in_language({"problem": too_much(reply)}, arguments)
         self._keep(request, reply)
         return reply
 

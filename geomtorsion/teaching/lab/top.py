@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from geomtorsion.pictures.style import SERIES, Stroke
+from geomtorsion.pictures.text import greek_name
 from geomtorsion.scenes import Body, Scene, State, effects
 from geomtorsion.scenes.effects import Naive
 from geomtorsion.support.outgoing import size_text
@@ -23,6 +24,7 @@ from geomtorsion.teaching.texts import ENGLISH, Texts, texts
 if TYPE_CHECKING:
     from geomtorsion.scenes import Scene, SceneResult
     from geomtorsion.scenes.effects import Effect
+    from geomtorsion.scenes.selection import SelectionRow
 
 # Watched for the animation and the table, whatever is chosen for the graph and the plan.
 _WATCH = ("omega", "omega_space", "matrix", "angular_momentum_space", "energy")
@@ -182,13 +184,32 @@ def _cones(result: SceneResult, text: Texts) -> Film:
 def _plan(scene: Scene, text: Texts) -> str:
     """A table of the simulated and the omitted parts."""
     plan = scene.selection
-    rows = [
-        [text("included" if row.inside else "omitted"), text(row.kind), row.name, row.reason]
-        for row in plan.rows
-    ]
+    rows = []
+    for row in plan.rows:
+        inside = text("included" if row.inside else "omitted")
+        table_of_names = "acting" if row.kind == "effect" else "groups"
+        named = text.named(table_of_names, row.name)
+        rows.append([inside, text(row.kind), named, _reason(row, text)])
     watched = ", ".join(text(f"watched.{name}") for name in scene.watch)
     caption = text("plan", quantity=watched, count=len(plan.states))
     return table(("", text("kind"), text("name"), text("reason")), rows, caption)
+
+
+def _reason(row: SelectionRow, text: Texts) -> str:
+    """The cause of a row of the plan in a sentence."""
+    users = "watched" if row.cause == "watched_as" else "groups"
+    lists = {
+        "states": [text.named("groups", _greek(name)) for name in row.states],
+        "users": [text.named(users, name) for name in row.users],
+        "effects": [text.named("acting", name) for name in row.effects],
+    }
+    values = {name: ", ".join(names) for name, names in lists.items() if names}
+    return text(f"causes.{row.cause}", **values)
+
+
+def _greek(name: str) -> str:
+    """A state or a run of states, such as Omega1..Omega3, in Greek letters."""
+    return "..".join(map(greek_name, name.split("..")))
 
 
 def _compared(result: SceneResult, wrong: SceneResult | None, watch: str, text: Texts) -> str:
@@ -226,7 +247,7 @@ def _table(result: SceneResult, wrong: SceneResult | None, text: Texts) -> str:
         rows.append(
             [
                 name,
-                motion.closed_form or motion.engine,
+                text.named("methods", motion.closed_form or motion.engine),
                 size_text(motion.error, 0),
                 shown(_change(motion["angular_momentum_space"]), PAGE.accuracy),
                 shown(float(abs(energy - energy[0]).max()) / scale, PAGE.accuracy),

@@ -45,8 +45,9 @@ def wrapped(html: str) -> str:
 
 
 def header(language: str = ENGLISH) -> str:
-    """The title above all tabs."""
-    return wrapped(f"<h1>{escape(texts('lab', 'page', language)('name'))}</h1>")
+    """The title above all tabs, and the label of the group of tabs for a screen reader."""
+    text = texts("lab", "page", language)
+    return wrapped(f'<h1 data-parts="{escape(text("parts"))}">{escape(text("name"))}</h1>')
 
 
 def intro(guide: Guide, language: str = ENGLISH) -> str:

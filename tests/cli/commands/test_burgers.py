@@ -180,7 +180,7 @@ def test_an_interruption_prints_finished_results(monkeypatch: pytest.MonkeyPatch
             "accuracy 0.001: expected numbers, got --exact",
         ),
         (("--loops", "none.json"), "cannot be read"),
-        (("--spline", "0,1,0;1,1,0;0,2,0", "--exact"), "known by numbers only"),
+        (("--spline", "0,1,0;1,1,0;0,2,0", "--exact"), "only known numerically"),
     ],
 )
 def test_bad_input_ends_with_two(arguments: tuple[str, ...], message: str) -> None:

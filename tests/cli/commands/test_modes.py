@@ -53,7 +53,6 @@ def test_numbers_and_figure_over_time(tmp_path) -> None:
 def test_refusals_name_the_remedy() -> None:
     for arguments, words in (
         (["modes"], "-L 'f(R)' -g riemannian"),
-        (["modes", "-L", "f(R)"], "Give one of riemannian"),
         (["modes", "-L", "R/2 + sqrt(-X)", "--scalars", "phi", "--kind", "scalar"], "cuscuton"),
         (["modes", "-L", "R/2 + Box(phi)", "-g", "riemannian"], "matter field"),
         ([*GALILEON, "--set", "a=t"], "Add --times 1,10"),

@@ -204,7 +204,6 @@ def test_roots_of_a_negative_number_are_refused(term: str, words: str) -> None:
     ("call", "words"),
     [
         (lambda: perturbed.tensor_modes("R/2", "poincare"), "perturbed.spectrum"),
-        (lambda: perturbed.tensor_modes("R/2"), "geometry"),
         (lambda: perturbed.tensor_modes("R/2 + b*P1", "riemannian"), "second order"),
         (lambda: perturbed.tensor_modes("GB", "riemannian"), "got none for"),
         (lambda: perturbed.tensor_modes("0*R", "riemannian"), "got none for"),

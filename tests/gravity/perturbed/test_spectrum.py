@@ -25,6 +25,39 @@ def poincare() -> perturbed.Spectrum:
     return perturbed.spectrum(KARANANAS, "poincare", constants=COUPLINGS)
 
 
+# Lagrangian without a word on its geometry, and what authors mean by it.
+MEANT = [
+    ("R/2", "riemannian"),
+    ("R/2 + c*P1", "riemannian"),
+    ("0", "riemannian"),
+    ("T", "teleparallel"),
+    ("-T/2 + c*Rbar", "teleparallel"),
+    ("Q", "symmetric teleparallel"),
+    ("R/2 + c*axial2", "poincare"),
+    ("R/2 + c*holst", "poincare"),
+    ("R/2 + c*Q3", "metric-affine"),
+    ("R/2 + c*R7", "metric-affine"),
+]
+
+
+@pytest.mark.parametrize(("lagrangian", "geometry"), MEANT)
+def test_the_lagrangian_names_its_geometry(lagrangian: str, geometry: str) -> None:
+    result = perturbed.spectrum(lagrangian)
+    assert str(result).startswith(f"particles of L = {lagrangian} ({geometry})\n")
+    assert str(result) == str(perturbed.spectrum(lagrangian, geometry))
+
+
+def test_all_reports_read_the_same_geometry() -> None:
+    """f(T) waves, grows and falls in the teleparallel geometry without being asked."""
+    for report in (perturbed.tensor_modes, perturbed.growth, perturbed.post_newtonian):
+        lagrangian = "T + c*T**2" if report is perturbed.post_newtonian else "f(T)"
+        assert str(report(lagrangian)) == str(report(lagrangian, "teleparallel"))
+    with pytest.raises(GeomtorsionError, match="got teleparallel"):
+        perturbed.scalar_modes("T - X/2", scalars="phi")
+    own = gravity.invariant("Y", "T_abc T^abc")
+    assert perturbed.spectrum("R/2 + Y", invariants=own).geometry == "poincare"
+
+
 # Lagrangian, geometry, gauge functions, massless helicities, massive spins and parities.
 COUNTS = [
     ("R/2", "riemannian", 10, [2], []),
@@ -362,7 +395,6 @@ def test_each_particle_has_frequencies_along_z(poincare: perturbed.Spectrum) -> 
             "Write 1 . phi",
         ),
         (lambda: perturbed.spectrum("R/2", "riemann"), "expected one of riemannian"),
-        (lambda: perturbed.spectrum("R/2"), "geometry: expected a geometry"),
         (lambda: perturbed.spectrum("R/2 + x*R**2", "riemannian"), "x, which is a coordinate"),
         (lambda: perturbed.spectrum("R/2 + c*Ric2", "riemannian"), "Ric2"),
         (lambda: perturbed.spectrum("R/2 - X/2", "riemannian"), "X"),

@@ -159,6 +159,7 @@ REFUSED = {
     "question twice": ("[[area", "[area.area]\nprompt = 'x'\n[[area", "expected TOML, got an"),
     "exercise twice": ("[area.area]", "[area]\n[area.area]", "expected TOML, got an"),
     "unclosed brace": ("radius $r$", r"radius $\frac{r}{2$", "expected LaTeX"),
+    "hidden rest of a line": ("with $r^2$", "with $5% r^2$", "% hides the rest of its line; write"),
     "unknown command": ("with $r^2$", r"with $\sqare r$", r"unknown command \"\sqare\""),
     "open dollar": ("its area?", "its area $A?", "expected a second $ after '$A?', got none"),
     "number of a shipped chapter": ("title = 'Circles'", "number = 3\ntitle = 'Circles'",

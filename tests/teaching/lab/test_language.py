@@ -11,6 +11,7 @@ import pytest
 
 from geomtorsion.teaching.lab import guides, problems, views
 from geomtorsion.teaching.lab.localized import localized
+from tests.browser import Watched, loaded
 from tests.teaching.lab.serving import served
 from tests.teaching.lab.session import PATIENCE, Session, run
 
@@ -102,3 +103,12 @@ def test_a_served_page_is_german():
         shown = run(asyncio.wait_for(opened(url), 2 * PATIENCE))
     for words in ("Torsionslabor", "Prüfen", "1.1 Die Beine eines Korahmens"):
         assert words in shown
+
+
+@pytest.mark.parametrize(
+    ("language", "label"), [("en", "Parts of the lab"), ("de", "Teile des Labors")]
+)
+def test_the_group_of_tabs_has_a_label(watched: Watched, address: str, language: str, label: str):
+    """A screen reader names the group of tabs in the language of the page."""
+    loaded(watched, f"{address}?language={language}")
+    watched.page.get_by_role("tablist", name=label, exact=True).wait_for()

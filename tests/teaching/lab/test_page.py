@@ -527,6 +527,33 @@ def test_a_tab_shows_that_it_computes(lab: Watched):
     expect(waiting).not_to_be_visible()
 
 
+def test_a_change_of_a_control_shows_that_it_computes(lab: Watched):
+    """While a result is computed again it stays, with a note that appears after a moment."""
+    from playwright.sync_api import expect
+
+    page = lab.tab("The top")
+    page.get_by_label("nutation angle over time, by both laws").wait_for()
+    waiting = page.get_by_text("Computing ...")
+    expect(waiting).not_to_be_visible(timeout=PATIENCE)
+    page.evaluate(
+        """() => {
+            const note = document.querySelector(".computing");
+            const look = () => {
+                const { display, position, animationDelay } = getComputedStyle(note);
+                if (display === "block") window.noted = [
+                    position, animationDelay, document.querySelectorAll("#top-result").length];
+            };
+            new MutationObserver(look).observe(document.body, {
+                subtree: true, attributeFilter: ["class"] });
+        }"""
+    )
+    page.get_by_role("slider").first.press("ArrowRight")
+    page.wait_for_url("**body=**")
+    page.wait_for_function("window.noted", timeout=PATIENCE)
+    assert page.evaluate("window.noted") == ["fixed", "0.3s", 1]
+    expect(waiting).not_to_be_visible(timeout=PATIENCE)
+
+
 def test_a_watched_quantity_is_drawn(shared_lab: Watched):
     """Another watched quantity changes the chart and the plan."""
     page = shared_lab.tab("The top")
