@@ -308,8 +308,8 @@ def equations_of_motion(
 
     Raises
     ------
-    LagrangianError
-        An unknown symbol, or a complex frame.
+    LagrangianError, ExpressionError
+        An unknown symbol or text that cannot be read; or a complex frame.
     KineticMatrixError
         The accelerations are not determined; the message names them.
     ConstraintError

@@ -42,8 +42,9 @@ LagrangianOption = Annotated[
         "-L",
         "--lagrangian",
         metavar="TEXT",
-        text="Formula in T, T1, T2, T3, R, Q, P1 ... and constants that multiply them, the name of "
-        f"a theory ({', '.join(THEORIES)}), or a theory file (.toml).",
+        text="Formula in T, T1, T2, T3, R, Q, P1 ..., contractions such as R_ab R^ab, and "
+        f"constants that multiply them, the name of a theory ({', '.join(THEORIES)}), or a theory "
+        "file (.toml).",
     ),
 ]
 ConstantsOption = Annotated[

@@ -16,6 +16,9 @@ Reader = Callable[[str, str, Sequence[sp.Symbol]], sp.Expr]
 # One entry of a matrix, as opposed to a row.
 _ENTRY = (int, str, sp.Expr)
 _LEFT_SIDE = re.compile(r"\s*ds\s*(\^|\*\*)\s*2\s*=")
+# The line element of the unit sphere, as books abbreviate it.
+_SPHERE = re.compile(r"d(?:Ω|Omega)(?:_2)?\s*(?:\^|\*\*)\s*2(?!\d)")
+_ANGLES = (("theta", "phi"), ("θ", "φ"), ("theta", "varphi"), ("θ", "ϕ"))
 
 
 def differentials(
@@ -79,7 +82,8 @@ def written_out(
     """
     if kind == "metric" and isinstance(values, str):
         forms = differentials(coordinates, taken, kind, MetricError)
-        value = read(_LEFT_SIDE.sub("", values, count=1), kind, forms)
+        text = _with_sphere(_LEFT_SIDE.sub("", values, count=1), coordinates)
+        value = read(text, kind, forms)
         return _coefficients(value, forms, 2, kind, values, MetricError)
     listed = values if is_flat(values) and isinstance(values, list | tuple) else ()
     if kind == "metric" and len(listed) > 1:
@@ -96,6 +100,15 @@ def written_out(
         row = _coefficients(value, forms, 1, where, text, CoframeError) if is_form else [[value]]
         rows += row
     return rows or values
+
+
+def _with_sphere(text: str, coordinates: Sequence[sp.Symbol]) -> str:
+    """A line element in which dOmega^2 is written out in the two angles."""
+    names = [symbol.name for symbol in coordinates]
+    for theta, phi in _ANGLES:
+        if theta in names and phi in names:
+            return _SPHERE.sub(f"(d{theta}^2 + sin({theta})^2 d{phi}^2)", text)
+    return text
 
 
 def _coefficients(

@@ -416,7 +416,8 @@ class Form:
 
         Equation
         --------
-        (D alpha)^j = d alpha^j + omega_i^j ^ alpha^i,  (D beta)_i = d beta_i - omega_i^j ^ beta_j
+        (D alpha)^j = d alpha^j + omega_i^j ^ alpha^i
+        (D beta)_i = d beta_i - omega_i^j ^ beta_j
 
         Raises
         ------

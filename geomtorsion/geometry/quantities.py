@@ -17,6 +17,8 @@ FRAME, TORSION, CONNECTIONS, CURVATURE = "Frame and metric", "Torsion", "Connect
 CONNECTION = "The space's own connection"
 SECTIONS = (FRAME, TORSION, CONNECTIONS, CURVATURE, CONNECTION)
 _BAR_GAMMA, _BAR_R = "Γ\u0304", "R\u0304"
+_RIEMANN = "R_{abc}^d = ∂_a Γ_{bc}^d - ∂_b Γ_{ac}^d - Γ_{ac}^e Γ_{be}^d + Γ_{bc}^e Γ_{ae}^d"
+_SCHOUTEN = f"P_{{ab}} = ({_BAR_R}_{{ab}} - g_{{ab}} {_BAR_R}/(2(n - 1)))/(n - 2)"
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -175,13 +177,13 @@ TABLE: tuple[Entry, ...] = (
     ),
     Entry(
         name="cartan_curvature", title="Curvature of the Cartan connection", symbol="R",
-        equation="R_{abc}^d = ∂_a Γ_{bc}^d - ∂_b Γ_{ac}^d - Γ_{ac}^e Γ_{be}^d + Γ_{bc}^e Γ_{ae}^d",
+        equation=_RIEMANN,
         section=CURVATURE, of="cartan", attribute="curvature.riemann",
         needs=("cartan_connection", "coframe"), products=lambda n: 2 * n, page="shown",
     ),
     Entry(
         name="riemann", title="Riemann tensor", symbol=_BAR_R,
-        equation=f"as for the Cartan connection, with {_BAR_GAMMA}",
+        equation=_RIEMANN.replace("Γ", _BAR_GAMMA).replace("R", _BAR_R),
         section=CURVATURE, of="levi_civita", attribute="curvature.riemann",
         needs=("metric", "christoffel"), needs_if_dense=("riemann_frame", "coframe"),
         products=lambda n: 2 * n, page="shown",
@@ -215,14 +217,15 @@ TABLE: tuple[Entry, ...] = (
     ),
     Entry(
         name="weyl", title="Weyl tensor", symbol="C",
-        equation="the part of the curvature without traces",
+        equation=f"C_{{abcd}} = {_BAR_R}_{{abcd}} - g_{{bc}} P_{{ad}} - g_{{ad}} P_{{bc}} + "
+        f"g_{{ac}} P_{{bd}} + g_{{bd}} P_{{ac}}, {_SCHOUTEN}",
         section=CURVATURE, of="levi_civita", attribute="curvature.weyl",
         needs=("riemann", "ricci", "scalar_curvature", "metric"), products=lambda n: 6,
         page="offered",
     ),
     Entry(
         name="schouten", title="Schouten tensor", symbol="P",
-        equation=f"P_{{ab}} = ({_BAR_R}_{{ab}} - g_{{ab}} {_BAR_R}/(2(n - 1)))/(n - 2)",
+        equation=_SCHOUTEN,
         section=CURVATURE, of="levi_civita", attribute="curvature.schouten",
         needs=("ricci", "scalar_curvature", "metric"), products=lambda n: 1, reported=False,
     ),
@@ -261,7 +264,7 @@ TABLE: tuple[Entry, ...] = (
     ),
     Entry(
         name="connection_curvature", title="Curvature of the connection", symbol="R",
-        equation="R_{abc}^d = ∂_a Γ_{bc}^d - ∂_b Γ_{ac}^d - Γ_{ac}^e Γ_{be}^d + Γ_{bc}^e Γ_{ae}^d",
+        equation=_RIEMANN,
         section=CONNECTION, of="connection", attribute="curvature.riemann",
     ),
     Entry(

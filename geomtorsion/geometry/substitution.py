@@ -105,7 +105,8 @@ def substitution(values: Values, coordinates: Sequence[sp.Symbol], exact: Field)
     lambdas: dict[UndefinedFunction, sp.Lambda] = {}
     for item, value in checks.table(values, "values").items():
         applied = _function_named(item, names, exact)
-        key = _read(item, names, "values") if applied is None else applied
+        # A name that is not in the field is refused below, as a parameter or function.
+        key = _read(item, names, "values", free=True) if applied is None else applied
         name = f"the value of {checks.shown(item)}"
         put = _read(value, names, name, free=True)
         if put.has(*INFINITE):

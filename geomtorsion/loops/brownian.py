@@ -39,18 +39,19 @@ REMEDY = "Request fewer members, or average runs with different seeds."
 class InvariantMeasure:
     """Exact invariant measure of a diffusion, or the obstructions to a reversible one.
 
-    Equation
-    --------
-    d_a log h = 2 b_a for the drift b of L = (Laplacian) / 2 + b^a d_a; the measure is
-    h sqrt|g| dq^1 ... dq^n. For a metric connection 2 b_a is minus the torsion vector T_ab^b
-                                    [Kleinert, Shabanov, J. Phys. A 31 (1998) 7005]
-
     density: h sqrt|g|, up to a factor; None where no closed form is known. A motion that is not
         reversible may still have a measure, which these formulas do not give.
     reversible: whether the motion, run backwards, has the same law (detailed balance): the form
         2 b_a dq^a is closed. None if this cannot be decided.
     obstructions: (a, b) -> d_a 2 b_b - d_b 2 b_a, coordinates counted from 0, for all components
         that do not vanish.
+
+    Equation
+    --------
+    d_a log h = 2 b_a              [Kleinert, Shabanov, J. Phys. A 31 (1998) 7005]
+
+    with the drift b^a of the `Diffusion`; the measure is h sqrt|g| dq^1 ... dq^n. For a metric
+    connection 2 b_a is minus the torsion vector T_ab^b.
 
     Examples
     --------
@@ -155,16 +156,17 @@ class StochasticEnsemble:
 class Diffusion:
     """Brownian motion with torsion: white noise in the frame, developed by a connection.
 
+    connection: over an orthonormal frame of a positive metric.
+
     Equation
     --------
-    dq^m = E_i^m o dB^i + c^k E_k^m dt, c^k = - sum_i omega_ii^k / 2 (Stratonovich), with the
-    generator L f = g^{ab} D_a D_b f / 2 = (Laplacian f) / 2 + b^a d_a f.
-    The law depends on the connection only through b. For a metric connection b^a = - T^a_b^b / 2:
-    the torsion vector is a drift, and the rest of the torsion has no effect
-        [Kleinert, Shabanov, J. Phys. A 31 (1998) 7005; Ikeda, Watanabe, Stochastic differential
-        equations, 1989, chapter V]
+    dq^m = E_i^m o dB^i + c^k E_k^m dt, c^k = - sum_i omega_ii^k / 2 (Stratonovich)
+    L f = g^{ab} D_a D_b f / 2 = (Laplacian f) / 2 + b^a d_a f
 
-    connection: over an orthonormal frame of a positive metric.
+    The law depends on the connection only through the drift b of the generator L. For a metric
+    connection b^a = - T^a_b^b / 2: the torsion vector is a drift, and the rest of the torsion has
+    no effect [Kleinert, Shabanov, J. Phys. A 31 (1998) 7005; Ikeda, Watanabe, Stochastic
+    differential equations, 1989, chapter V].
 
     Examples
     --------

@@ -66,6 +66,17 @@ def burgers_vector(
     flux loses none. If both agree, the result is the more accurate value. If they differ, torsion
     is concentrated on a line or point inside, and the result is the line integral.
 
+    A looser accuracy saves points only where the form oscillates along the loop. Every call takes
+    two nested sets of points along the loop and two inside, because their difference is the error
+    estimate; on most loops these have 15 digits already, and their number does not depend on the
+    accuracy. For one loop most of the time goes into calls, not points: `burgers_map` and
+    `burgers_vectors` share them among many loops.
+
+    Narrow peaks of denominators, exp, tanh, atan and erf are found. Another peak, such as a high
+    power of a cosine, that is narrower than a fiftieth of a side, or of the radius of a circle, may
+    be missed: the route then reports the value without it. `prove` of the result compares the
+    error with a bound over the whole loop and reports such a peak.
+
     Parameters
     ----------
     frame
@@ -78,17 +89,6 @@ def burgers_vector(
     seconds
         Processor time instead of an accuracy, as in `solve`: `accuracy` of the result names the
         accuracy that this time buys.
-
-    A looser accuracy saves points only where the form oscillates along the loop. Every call takes
-    two nested sets of points along the loop and two inside, because their difference is the error
-    estimate; on most loops these have 15 digits already, and their number does not depend on the
-    accuracy. For one loop most of the time goes into calls, not points: `burgers_map` and
-    `burgers_vectors` share them among many loops.
-
-    Narrow peaks of denominators, exp, tanh, atan and erf are found. Another peak, such as a high
-    power of a cosine, that is narrower than a fiftieth of a side, or of the radius of a circle, may
-    be missed: the route then reports the value without it. `prove` of the result compares the
-    error with a bound over the whole loop and reports such a peak.
 
     Returns
     -------

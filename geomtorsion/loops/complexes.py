@@ -151,6 +151,9 @@ class Complex:
     def grid(cls, shape: Sequence[int], periodic: Sequence[bool] | bool = False) -> Complex:
         """A grid of nodes in any number of dimensions, all its faces and (from three on) cells.
 
+        Edges are numbered axis by axis, in the order of their first nodes; faces by pairs of axes,
+        oriented from the first axis to the second, and cells likewise.
+
         Parameters
         ----------
         shape
@@ -158,9 +161,6 @@ class Complex:
             `numpy.ravel_multi_index` gives it.
         periodic
             Whether the last node of an axis is joined to the first, one period further on.
-
-        Edges are numbered axis by axis, in the order of their first nodes; faces by pairs of axes,
-        oriented from the first axis to the second, and cells likewise.
 
         Examples
         --------

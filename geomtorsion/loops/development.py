@@ -242,9 +242,12 @@ def develop(
 
     Equation
     --------
-    G' = G [[omega, e], [0, 0]],  omega = omega_ai^j q'^a (row j),  e = e^i_a q'^a;  G(0) = 1.
-    G(1) = [[rotation, burgers], [0, 1]]. Small loops: burgers^j = S_ab^j A^ab,
-    rotation - 1 = R_abi^j A^ab / 2                  (A^ab the signed area, sums over all a, b)
+    G' = G [[omega, e], [0, 0]], G(0) = 1, G(1) = [[rotation, burgers], [0, 1]] with
+    omega_i^j = omega_ai^j q'^a
+    e^i = e^i_a q'^a
+    (omega_i^j in row j). Small loops of signed area A^ab, summed over all a, b, have
+    burgers^j = S_ab^j A^ab
+    and the rotation minus 1 is R_abi^j A^ab / 2.
 
     Parameters
     ----------

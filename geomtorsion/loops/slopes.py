@@ -27,8 +27,10 @@ def burgers_derivatives(
 
     Equation
     --------
-    db^i/dp = loop integral (de^i_mu/dp) dq^mu: the Burgers vector of the coframe dq^i + de^i/dp,
-    since the integral of dq^i vanishes. `prove` works on it as on any Burgers vector.
+    db^i/dp = loop integral (de^i_mu/dp) dq^mu
+
+    It is the Burgers vector of the coframe dq^i + de^i/dp, since the integral of dq^i vanishes.
+    `prove` works on it as on any Burgers vector.
 
     Parameters
     ----------

@@ -299,6 +299,14 @@ def solve_many(
 ) -> Ensemble:
     """Solve one problem from many starts at once.
 
+    Members that leave their chart, and members with long steps whose finer run disagrees
+    completely, are solved one by one, as by `solve`. The others run in optimised code: with
+    Taylor() they differ from results of `solve` by rounding errors. Ctrl-C returns the finished
+    members.
+
+    Members with `stop=` or `When` end each at its own time: see `Ensemble.end`. A member whose
+    answer and finer run are stopped by different conditions lacks accuracy.
+
     Parameters
     ----------
     problem
@@ -324,11 +332,6 @@ def solve_many(
         runs the members: a pool of `concurrent.futures`, or a `dask.distributed.Client`. The result
         has the same bits for any number of workers.
 
-    Members that leave their chart, and members with long steps whose finer run disagrees
-    completely, are solved one by one, as by `solve`. The others run in optimised code: with
-    Taylor() they differ from results of `solve` by rounding errors. Ctrl-C returns the finished
-    members.
-
     Raises
     ------
     StartError, ShapeError, UnknownNameError
@@ -339,9 +342,6 @@ def solve_many(
         that reach it, and the others as unfinished.
     WorkerError
         a worker ended without a result; its `partial` has the members that others finished.
-
-    Members with `stop=` or `When` end each at its own time: see `Ensemble.end`. A member whose
-    answer and finer run are stopped by different conditions lacks accuracy.
 
     Examples
     --------

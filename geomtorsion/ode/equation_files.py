@@ -29,6 +29,8 @@ def is_equation_file(path: object) -> bool:
 def read_equations(path: str | PathLike[str]) -> ODE:
     """Read first-order equations from a TOML file.
 
+    Numbers are exact: 0.1 is one tenth, and "1/3" or "pi" may be written as texts.
+
     Keys
     ----
     rates
@@ -39,8 +41,6 @@ def read_equations(path: str | PathLike[str]) -> ODE:
         Tables name -> number, and name -> expression that does not change; both may be missing.
     name
         Text; the default is the name of the file.
-
-    Numbers are exact: 0.1 is one tenth, and "1/3" or "pi" may be written as texts.
 
     Raises
     ------

@@ -19,6 +19,8 @@ SPHERE = "r^2 (dtheta^2 + sin(theta)^2 dphi^2)"
         ("u v", "(du + v dv)*(du - v dv)", [[1, 0], [0, "-v**2"]]),
         ("t x", "-(dt - t*dx)^2 + dt^2/4", [["-3/4", "t"], ["t", "-t**2"]]),
         ("r θ", "dr^2 + r^2 dθ^2", [[1, 0], [0, "r**2"]]),
+        ("θ φ", "4 dΩ^2", [[4, 0], [0, "4*sin(θ)**2"]]),
+        ("theta phi", "dOmega_2**2", [[1, 0], [0, "sin(theta)**2"]]),
     ],
 )  # fmt: skip
 def test_a_line_element_is_its_matrix(coordinates, line, rows):

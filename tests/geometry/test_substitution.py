@@ -150,7 +150,8 @@ def test_a_root_that_becomes_a_square_is_reported():
     [
         ({"r": 1}, CoordinateError, "got the coordinate r. .* tensor.limit"),
         ({sp.Symbol("q"): 1}, UnknownNameError, "expected a parameter, got 'q'. There are k"),
-        ({"q": 1}, GeomtorsionError, "q"),
+        ({"q": 1}, UnknownNameError, "expected a parameter, got 'q'. There are k"),
+        ({"K": 1}, UnknownNameError, "got 'K'. Did you mean k"),
         ({"k": "r"}, CoordinateError, "expected a value without coordinates .*, got r,"),
         ({"k": -1}, CoordinateError, "k: expected a value that is positive, .*got -1"),
         ({"k": sp.I}, CoordinateError, "k: expected a value that is positive"),

@@ -316,7 +316,7 @@ REFUSED = {
     ),
     "formula": (lambda: g.equations(BAR, "R", invariants="R_ab R^ab"), "expected gravity.invari"),
     "tensor's name": (lambda: g.scalar_field("u(t)", name="v"), "which is a tensor in formulas"),
-    "unused": (lambda: g.equations(BAR, "R + R_abcd"), "gravity.invariant("),
+    "unused": (lambda: g.equations(BAR, "R + R_abcd"), "once up and once down"),
 }
 FILES = {
     'lagrangian = "R"': "expected a table [theory], got none",

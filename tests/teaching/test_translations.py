@@ -30,7 +30,17 @@ PROSE = re.compile(r"\\text\{[^}]*\}")
 # Language -> words that it shares with English.
 SAME = {
     "de": {"in", "In", "Python", "yes", "phi", "Animation", "Torsion"},
-    "fr": {"circuit", "point", "points", "question", "verdict"},
+    "fr": {
+        "Animation",
+        "Figure",
+        "Pause",
+        "circuit",
+        "phi",
+        "point",
+        "points",
+        "question",
+        "verdict",
+    },
 }
 
 

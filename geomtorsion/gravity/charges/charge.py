@@ -198,15 +198,20 @@ def charge(
 
     Equation
     --------
-    komar: M = -1/(8 pi) integral *d xi, J = 1/(16 pi) integral *d xi, closed where Ric(xi) = 0
-    [Komar1959]
-    noether: -1/(16 pi) integral (2 P^abcd D_c xi_d - 4 xi_d D_c P^abcd), P = dL/dR_abcd
-    [IyerWald1994]
-    teleparallel: P_k = -1/(8 pi) integral dL/dT^{ab}_k [Maluf1994], positive for L = T
-    varied: dQ/dM of a Killing vector, in general relativity with Lambda [IyerWald1994]
-    brown-york: E = 1/(8 pi) integral (k0 - k) [BrownYork1993]
-    adm: M = 1/(16 pi) integral (D^j h_ij - D_i h) at infinity [ArnowittDeserMisner1962]
-    electric: Q = 1/(4 pi) integral *dA
+    komar [Komar1959], closed where Ric(xi) = 0:
+    M = -1/(8 pi) integral *d xi, J = 1/(16 pi) integral *d xi
+    noether [IyerWald1994], with P = dL/dR_abcd:
+    Q = -1/(16 pi) integral (2 P^abcd D_c xi_d - 4 xi_d D_c P^abcd)
+    teleparallel [Maluf1994], positive for L = T:
+    P_k = -1/(8 pi) integral dL/dT^ab_k
+    varied [IyerWald1994], in general relativity with Lambda: dQ/dM of a Killing vector
+
+    brown-york [BrownYork1993]:
+    E = 1/(8 pi) integral (k0 - k)
+    adm [ArnowittDeserMisner1962], at infinity:
+    M = 1/(16 pi) integral (D^j h_ij - D_i h)
+    electric:
+    Q = 1/(4 pi) integral *dA
     with G = c = 1. Integrals run over a surface where time and radius are constant.
 
     Parameters

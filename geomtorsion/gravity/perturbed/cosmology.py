@@ -337,8 +337,8 @@ def tensor_modes(
     lagrangian
         As in `gravity.equations`; functions such as f(R) stay unknown.
     geometry
-        "riemannian", "teleparallel" or "symmetric teleparallel"; the default is read from
-        the Lagrangian, see `spectrum`. Beside T or Q, the Lagrangian may contain Rbar: f(T, Rbar + T).
+        "riemannian", "teleparallel" or "symmetric teleparallel"; the default is read from the
+        Lagrangian, see `spectrum`. Beside T or Q, it may contain Rbar: f(T, Rbar + T).
     scalars
         Names of scalar fields that depend on the time, "phi".
     constants, invariants

@@ -192,7 +192,7 @@ def _meant(theory: Lagrangian, invariants: Sequence[Invariant], bare: str) -> st
 def titled(theory: Lagrangian, geometry: str = "") -> str:
     """The Lagrangian and its geometry, for the first line of a result."""
     own = f"{theory.name}, " if theory.name != Lagrangian.name else ""
-    return f"{own}L = {theory.expression} ({geometry or theory.geometry})"
+    return f"{own}{theory.written} ({geometry or theory.geometry})"
 
 
 def riemannian_only(lagrangian: object, geometry: object, caller: str) -> str:

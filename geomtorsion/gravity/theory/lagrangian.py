@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import re
 from collections.abc import Collection, Iterator, Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import NoReturn
 
 import sympy as sp
@@ -15,6 +15,7 @@ from geomtorsion.exact import Element, parse_expression
 from geomtorsion.exact import names as words
 from geomtorsion.geometry import Frame, Tensor, at_home
 from geomtorsion.geometry.numeric.numeric_field import NumericField
+from geomtorsion.gravity.theory.indexed import named_contractions
 from geomtorsion.gravity.theory.invariants import INVARIANTS, Invariant
 from geomtorsion.gravity.theory.vocabulary import MATTER, WAVE_OPERATORS, Vocabulary
 from geomtorsion.support import checks
@@ -61,7 +62,8 @@ _CALLED.add(words.SUBSTITUTION_NAME)
 class Lagrangian:
     """A theory: its Lagrangian and the connections for which it is meant.
 
-    expression: text or sympy expression in `names`, parameters and opaque functions.
+    expression: text or sympy expression in `names`, parameters and opaque functions. Text may have
+        contractions, "R/2 + c*R_ab R^ab".
     geometry: "any", "teleparallel", "symmetric teleparallel", "metric", "riemannian", or
         "metric-affine", whose connection is varied freely also where it is metric.
     name: of the theory, for messages.
@@ -82,15 +84,23 @@ class Lagrangian:
     invariants: tuple[Invariant, ...] = ()
 
     def __repr__(self) -> str:
-        return f"{self.name}: L = {self.expression}"
+        return f"{self.name}: {self.written}"
+
+    @property
+    def written(self) -> str:
+        """L, and the invariants that it defines."""
+        return ", ".join([f"L = {self.expression}", *map(str, self.invariants)])
 
 
 def known_as(text: object) -> Lagrangian:
     """A Lagrangian from text, a sympy expression, a number or a theory."""
     if isinstance(text, Lagrangian):
-        return text
+        if not isinstance(text.expression, str):
+            return text
+        expression, own = named_contractions(text.expression)
+        return replace(text, expression=expression, invariants=(*text.invariants, *own))
     if isinstance(text, str):
-        return Lagrangian(text)
+        return known_as(Lagrangian(text))
     wanted = (
         "text such as 'T + c*T**2', a sympy expression in gravity.names, or a theory such as "
         "gravity.tegr"

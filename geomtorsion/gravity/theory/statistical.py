@@ -20,7 +20,8 @@ def statistical(
 
     Equation
     --------
-    Gamma_abc = Gamma_bar_abc - alpha C_abc / 2          [Amari1985]; then D_a g_bc = alpha C_abc
+    Gamma_abc = Gamma_bar_abc - alpha C_abc / 2          [Amari1985]
+    D_a g_bc = alpha C_abc
 
     Parameters
     ----------

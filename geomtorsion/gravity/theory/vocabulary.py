@@ -174,10 +174,7 @@ class Vocabulary:
     def _hint(self, name: str) -> str:
         """A question or a remark about a name that means nothing."""
         if _INDICES.fullmatch(name):
-            return (
-                "Contractions have names, such as R1 for R_abcd R^abcd. Give others as "
-                'invariants=gravity.invariant("Y", "R_abcd R^abdc"). '
-            )
+            return "In a contraction each index is once up and once down, such as c*R_ab R^ab. "
         if name == BOUNDARY:
             return (
                 "The boundary term B is Rbar + T: give equations([gt.cartan(frame), "

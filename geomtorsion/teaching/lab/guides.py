@@ -94,9 +94,12 @@ def named(label: str, language: str = ENGLISH) -> str:
 
 def _guide(text: Texts, start: str = "") -> Guide:
     """The guide of a heading; start: of the keys whose texts take precedence."""
+    # Elsewhere a comma is the sign of decimals.
+    between = "," if text.language == ENGLISH else "\u202f"
     limits = {
         "formats": ", ".join(TEXT_MAPS), "megabytes": f"{PAGE.upload / 1e6:g}",
-        "nodes": f"{PAGE.nodes:,}", "pixels": f"{PAGE.pixels:,}",
+        "nodes": f"{PAGE.nodes:,}".replace(",", between),
+        "pixels": f"{PAGE.pixels:,}".replace(",", between),
     }  # fmt: skip
 
     def sentence(key: str) -> str:

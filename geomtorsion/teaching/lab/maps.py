@@ -16,6 +16,7 @@ from geomtorsion.materials.images import LatticePhases
 from geomtorsion.materials.maps import LAUE_GROUPS, Circuit, OrientationMap
 from geomtorsion.pictures.style import number
 from geomtorsion.support.caching import cached_property
+from geomtorsion.support.outgoing import size_text
 from geomtorsion.teaching.exercises.worker_pool import Json
 from geomtorsion.teaching.lab.numbers import raised, table
 from geomtorsion.teaching.lab.settings import PAGE
@@ -345,8 +346,8 @@ def _answer(
     """
     behind = f" {b.unit}" if b.unit else ""
     size, most = float(np.linalg.norm(b.vector)), float(np.max(b.sigmas))
-    values = {"side": side, "size": f"{size:.4g}{behind}", "noise": f"{most:.1e}{behind}"}
-    error = "–" if interpolation is None else f"{interpolation:.1e}"
+    values = {"side": side, "size": f"{size:.4g}{behind}", "noise": f"{size_text(most)}{behind}"}
+    error = "–" if interpolation is None else size_text(interpolation)
     if interpolation is None:
         sentences = [text("circuit", **values)]
     else:
@@ -359,7 +360,7 @@ def _answer(
     if remark:
         sentences.append(remark)
     rows = [
-        [head, number(float(f"{value:.5g}")), f"{sigma:.1e}", error]
+        [head, number(float(f"{value:.5g}")), size_text(sigma), error]
         for head, value, sigma in zip(heads, b.vector.tolist(), b.sigmas.tolist(), strict=True)
     ]
     caption = text("caption_unit", unit=b.unit) if b.unit else text("caption")

@@ -69,7 +69,7 @@ def table(heads: Sequence[str], rows: Sequence[Sequence[str]], caption: str) -> 
 
 
 def _cell(text: str) -> str:
-    """A cell; one of several words may wrap on a phone, a number such as 5e-11 never does.
+    """A cell; one of several words may wrap, a number such as 5e-11 never does.
 
     Examples
     --------

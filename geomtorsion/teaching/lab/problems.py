@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
+from html import escape
 from typing import TYPE_CHECKING
 
 from geomtorsion.errors import LimitError
@@ -128,6 +129,11 @@ def _copy_button(pieces: Sequence[str], what: str, language: str) -> str:
     return views.copy_button("\n\n".join(map(latex_of, pieces)), name, language)
 
 
+def _message(text: str) -> str:
+    """A message as HTML; one with an excerpt of the answer keeps its lines."""
+    return f"<pre>{escape(text)}</pre>" if "\n    " in text else html_of(text)
+
+
 def answer(
     number: str,
     seed: int,
@@ -170,7 +176,7 @@ def answer(
                 "label": states[one.state],
                 "read_as": one.read_as,
                 "score": one.score,
-                "message": html_of(one.message),
+                "message": _message(one.message),
                 "copy": _copy_button([one.message], one.name, language),
                 "diagnosis": one.diagnosis,
             }

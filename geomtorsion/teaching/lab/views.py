@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 from collections.abc import Callable, Sequence
 from functools import cache, wraps
 from html import escape
@@ -24,7 +25,7 @@ from geomtorsion.teaching.lab.guides import (
     tab,
 )
 from geomtorsion.teaching.lab.plot import saving
-from geomtorsion.teaching.texts import ENGLISH, texts
+from geomtorsion.teaching.texts import ENGLISH, code_of, texts
 
 
 @cache
@@ -45,9 +46,19 @@ def wrapped(html: str) -> str:
 
 
 def header(language: str = ENGLISH) -> str:
-    """The title above all tabs, and the label of the group of tabs for a screen reader."""
+    """The title above all tabs, with the words that its script writes into parts of marimo.
+
+    Examples
+    --------
+    >>> header("de").count('data-parts="Teile des Labors"')
+    1
+    """
     text = texts("lab", "page", language)
-    return wrapped(f'<h1 data-parts="{escape(text("parts"))}">{escape(text("name"))}</h1>')
+    english = texts("lab", "page").table("drawn")
+    drawn = {english[key]: word for key, word in text.table("drawn").items()}
+    data = {"language": code_of(language), "parts": text("parts"), "drawn": json.dumps(drawn)}
+    marks = " ".join(f'data-{key}="{escape(value)}"' for key, value in data.items())
+    return wrapped(f"<h1 {marks}>{escape(text('name'))}</h1>")
 
 
 def intro(guide: Guide, language: str = ENGLISH) -> str:

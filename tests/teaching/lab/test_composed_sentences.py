@@ -14,12 +14,15 @@ import numpy as np
 import pytest
 
 from geomtorsion import SampledFrame
+from geomtorsion.spaces import load
 from geomtorsion.teaching.lab.closure_failure import closure_failure
 from geomtorsion.teaching.lab.costs import costs
+from geomtorsion.teaching.lab.export import TETRADS, tetrads
 from geomtorsion.teaching.lab.map_circuits import map_circuit, map_facts
 from geomtorsion.teaching.lab.space_info import space_info
-from geomtorsion.teaching.lab.tetrad import tetrad
-from geomtorsion.teaching.texts import FOLDER, placeholders
+from geomtorsion.teaching.lab.tetrad import OFFERED, tetrad
+from geomtorsion.teaching.lab.top import top
+from geomtorsion.teaching.texts import FOLDER, placeholders, texts
 from tests.teaching.lab.maps import atoms, saved, twisted, wall_ctf
 
 
@@ -140,4 +143,27 @@ def test_notes_below_the_components_of_a_tetrad(blank: str):
     """A component that follows by symmetry, in German and without words."""
     case = {"coordinates": "r, phi", "entries": [["1", "0"], ["0", "r"]], "show": ["torsion"]}
     assert "1 weitere Komponente folgt aus der Symmetrie." in tetrad(**case, language="de")["html"]
-    assert not {"component", "follows"} & words(tetrad(**case, language=blank)["html"])
+    assert not words(tetrad(**case | {"show": OFFERED}, language=blank)["html"])
+
+
+def test_the_plan_of_a_top(blank: str):
+    """Causes, effects and groups of states of each switch and quantity, also in German."""
+    case: dict[str, Any] = {"moments": [1, 2, 3], "omega": [0.1, 2, 0.1], "tilt": 0.3, "t": 1.0}
+    for effects in ((), ("gravity",), ("gravity", "pivot"), ("torsion", "magnet", "rotor")):
+        for watched in ("nutation", "energy", "position"):
+            reply = top(**case, effects=effects, watch=[watched], language=blank)
+            assert words(reply["plan"]) | words(reply["table"]) <= {"Taylor"}
+    german = top(**case, effects=["gravity", "pivot"], watch=["omega"], language="de")["plan"]
+    assert "n1..n3: nötig für Drehung (wegen: Schwerkraft, fester Punkt)" in german
+    free = top(**case, language="de")
+    assert "weder für die gewählte Größe noch für einen Effekt nötig" in free["plan"]
+    assert "freier Kreisel (Jacobische elliptische Funktionen)" in free["table"]
+
+
+def test_stories_on_pages_without_a_server():
+    """Each tetrad of the pages has its story in the language, the English one as in the library."""
+    stories = texts("spaces", "stories").table()
+    assert {name: " ".join(load(name).story.split()) for name in TETRADS} == stories
+    german = tetrads("de")
+    for story in texts("spaces", "stories", "de").table().values():
+        assert story in html.unescape(german)

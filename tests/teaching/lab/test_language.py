@@ -106,9 +106,20 @@ def test_a_served_page_is_german():
 
 
 @pytest.mark.parametrize(
-    ("language", "label"), [("en", "Parts of the lab"), ("de", "Teile des Labors")]
+    ("language", "label", "title", "tab", "sent"),
+    [
+        ("en", "Parts of the lab", "Torsion lab", "Loops", "Uploaded 1 file."),
+        ("de", "Teile des Labors", "Torsionslabor", "Schleifen", "Hochgeladen: 1 Datei."),
+    ],
 )
-def test_the_group_of_tabs_has_a_label(watched: Watched, address: str, language: str, label: str):
-    """A screen reader names the group of tabs in the language of the page."""
-    loaded(watched, f"{address}?language={language}")
-    watched.page.get_by_role("tablist", name=label, exact=True).wait_for()
+def test_parts_that_marimo_draws(
+    watched: Watched, address: str, language: str, label: str, title: str, tab: str, sent: str
+):
+    """The document, its group of tabs and its upload field are in the language of the page."""
+    page = loaded(watched, f"{address}?language={language}").page
+    page.get_by_role("tablist", name=label, exact=True).wait_for()
+    assert (page.evaluate("document.documentElement.lang"), page.title()) == (language, title)
+    watched.tab(tab).wait_for_selector("#loop svg")
+    file = {"name": "a.csv", "mimeType": "text/csv", "buffer": b"a,b\n1,2"}
+    page.locator("input[type=file]").set_input_files(file)
+    page.get_by_text(sent, exact=True).wait_for()

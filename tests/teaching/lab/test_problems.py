@@ -31,3 +31,14 @@ def test_an_endless_answer_is_refused():
     """An answer longer than the limit is refused."""
     with pytest.raises(ValueError, match="enough for every exercise"):
         answer("1.1", 0, {"legs": "1" * (PAGE.answer + 1)})
+
+
+def test_an_excerpt_of_an_answer_keeps_its_lines():
+    """The mark below the place of a mistake stays below it."""
+    [one] = answer("3.2", 0, {"christoffel": "cos("})["questions"]
+    assert one["state"] == "could not be read"
+    excerpt = one["message"].removeprefix("<pre>").removesuffix("</pre>").splitlines()
+    assert excerpt[2].index("^") == excerpt[1].index("(")
+    assert answer("3.2", 0, {"christoffel": "1/2phi1 phi2"})["questions"][0]["message"].startswith(
+        "<p>"
+    )
