@@ -263,6 +263,8 @@ def questions_of_class(tree: ast.AST) -> list[int]:
     classes = {type(engine).__name__ for engine in SHIPPED}
     found = []
     for node in ast.walk(tree):
+        if not isinstance(node, ast.MatchClass | ast.Call):
+            continue
         names = [part.id for part in ast.walk(node) if isinstance(part, ast.Name)]
         names += [part.attr for part in ast.walk(node) if isinstance(part, ast.Attribute)]
         if isinstance(node, ast.MatchClass):

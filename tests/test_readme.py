@@ -52,10 +52,15 @@ COMMANDS = [
     if line.startswith("geomtorsion ")
 ]
 # The first exports all exercises, and tests of the exports cover them one by one. The second
-# exports all tabs, and the test of the lesson in examples/classroom.md covers them.
+# exports all tabs, and the test of the lesson in examples/classroom.md covers them. The third is
+# an example that test_ringing.py runs, and tests/cli/commands has the others with other values.
 LONG = (
     "geomtorsion exercises export --to stack -o moodle",
     "geomtorsion lab --export pages",
+    "geomtorsion ringing schwarzschild --set M=1",
+    'geomtorsion count -L "T + c*T**2" -g teleparallel --dimension 3',
+    "geomtorsion price lagrange_cusp --t 1",
+    "geomtorsion shadow kerr --set a=0.9 -o shadow",
 )
 INSTALLING = [line for block in blocks("sh") for line in block.splitlines() if "venv" in line]
 

@@ -45,7 +45,8 @@ def constrained(
 
     Equation
     --------
-    omega_ai^j = omega_bar_ai^j where i, j are both permitted or both forbidden, else 0
+    The spin connection of the metric, but omega_ai^j = 0 where only one of the legs i, j is
+    permitted.
 
     Parameters
     ----------

@@ -48,8 +48,8 @@ def lie(xi: object, field: Tensor | Connection | Frame | Form) -> Tensor | Form:
     Equation
     --------
     (L_xi t)_a^b = xi^m d_m t_a^b + t_m^b d_a xi^m - t_a^m d_m xi^b
-    (L_xi Gamma)_ab^c = xi^m d_m Gamma_ab^c + Gamma_mb^c d_a xi^m + Gamma_am^c d_b xi^m
-                        - Gamma_ab^m d_m xi^c + d_a d_b xi^c
+    (L_xi Gamma)_ab^c = xi^m d_m Gamma_ab^c + Gamma_mb^c d_a xi^m + Gamma_am^c d_b xi^m + Z_ab^c
+    Z_ab^c = d_a d_b xi^c - Gamma_ab^m d_m xi^c
 
     Parameters
     ----------

@@ -119,7 +119,7 @@ def test_a_program_that_imports_the_package_gets_its_interrupt():
             "circuits.png",
             marks=pytest.mark.slow,
         ),
-        (["curve", "s2"], "curve.csv"),
+        pytest.param(["curve", "s2"], "curve.csv", marks=pytest.mark.slow),
         pytest.param(
             ["run", "lagrange_cusp", "--t", "0.1"], "checkpoint.npz", marks=pytest.mark.slow
         ),

@@ -13,6 +13,7 @@ from scipy.integrate import solve_ivp
 import geomtorsion as gt
 from geomtorsion import gravity as g
 from geomtorsion.errors import FileFormatError, GeomtorsionError
+from tests.chosen import few
 
 T, R, THETA, PHI = sp.symbols("t r theta phi")
 A, B = (sp.Function(name)(R) for name in "AB")
@@ -193,7 +194,7 @@ def test_the_maximum_is_one(sly: g.Family) -> None:
     assert heaviest.density == pytest.approx(2.86e15, rel=0.02)
 
 
-@pytest.mark.parametrize("interpolation", ["monotone", "cubic"])
+@pytest.mark.parametrize("interpolation", few(1, ["monotone", "cubic"]))
 def test_a_table_has_the_stars_of_its_matter(interpolation: str, tmp_path: Path) -> None:
     """Rows of a polytrope lead to the stars of the polytrope, from a file in other units also."""
     pressures = np.geomspace(1e-10, 1e-3, 80)
@@ -278,6 +279,7 @@ def test_general_relativity_from_its_field_equations(
     assert g.star(theory, pressure=FONT).numbers == g.star(SOFT, pressure=FONT).numbers
 
 
+@pytest.mark.slow
 def test_an_exponential_of_torsion_needs_no_condition() -> None:
     """The argument of the function gets a name; for a small c the star is general relativity's."""
     theory = g.equations(PROPER, "-(exp(c*T) - 1)/(16*pi*c)", g.fluid(p=SOFT))

@@ -60,7 +60,13 @@ def functions(values: Iterable[Any]) -> set:
     return {one for one in atoms if re.fullmatch(r"u\d+(\(.*\))?", str(one))}
 
 
-@pytest.mark.parametrize("name", KNOWN)
+# Other tests have the sphere and the Cartesian legs.
+DEAR = "static sphere, Cartesian legs"
+
+
+@pytest.mark.parametrize(
+    "name", [pytest.param(x, marks=[pytest.mark.slow] if x == DEAR else []) for x in KNOWN]
+)
 def test_published_numbers_of_functions(name: str) -> None:
     """As many functions as published, and all Lie derivatives of the result vanish."""
     frame, vectors, of_torsion, of_connection = KNOWN[name]

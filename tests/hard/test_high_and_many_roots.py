@@ -11,6 +11,7 @@ import sympy as sp
 from geomtorsion.errors import LimitError
 from geomtorsion.exact import Field
 from geomtorsion.geometry import Frame, cartan, identities, levi_civita
+from tests.chosen import few
 
 x, y = sp.symbols("x y", positive=True)
 R = sp.Rational
@@ -92,10 +93,11 @@ def test_products_of_many_sums_of_roots_are_refused(expression):
         Frame([x, y], [[1, 0], [0, expression]])
 
 
-def test_squares_are_found_among_many_roots():
+@pytest.mark.parametrize("count", few(1, [12, 30]))
+def test_squares_are_found_among_many_roots(count):
     """A root of a product of others is not a new root, whatever roots of higher order exist."""
     field = Field([x, y])
-    roots = [(x + k) ** R(1, k + 2) for k in range(1, 31)]
+    roots = [(x + k) ** R(1, k + 2) for k in range(1, count + 1)]
     field.read(sum(roots))
     known = len(field.generators)
     assert (field.read(sp.sqrt((x + 2) * (x + 4))) ** 2 - field.read((x + 2) * (x + 4))).is_zero

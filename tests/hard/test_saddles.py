@@ -11,6 +11,7 @@ from geomtorsion.errors import AccuracyError
 from geomtorsion.ode import ODE, RungeKutta, Taylor, integrate
 from geomtorsion.ode.checkpoint import part_name
 from geomtorsion.ode.error_estimate import difference
+from tests.chosen import few
 from tests.ode.engines import needs_heyoka
 
 LORENZ = {"x": "10*(y - x)", "y": "x*(28 - z) - y", "z": "x*y - 8*z/3"}
@@ -47,11 +48,12 @@ def test_the_error_is_not_below_the_truth(name):
 
 
 @needs_heyoka
-def test_tops_near_their_middle_axis():
-    """200 tops against Jacobi's closed form."""
+@pytest.mark.parametrize("count", few(1, [50, 200]))
+def test_tops_near_their_middle_axis(count):
+    """Tops against Jacobi's closed form."""
     random = np.random.default_rng(11)
     ratios = []
-    for _ in range(200):
+    for _ in range(count):
         tilt, end = 10 ** random.uniform(-5, -1.5), random.uniform(20, 90)
         accuracy = float(10 ** random.uniform(-11, -5))
         problem = ODE.of(TOP, [tilt, 1, 0], norm_groups=[list(TOP)])

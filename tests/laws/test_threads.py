@@ -307,7 +307,13 @@ def differing(name: str, seed: int, share: int = 1) -> dict[str, tuple[str, str]
 
 # Some 20 s of processor time in all; the long run asks everything of each thread, several times.
 # The other spaces are asked in the slow test below.
-@pytest.mark.parametrize("name", ["kerr", "so3", "s3", "unknown functions", "nested roots"])
+@pytest.mark.parametrize(
+    "name",
+    [
+        pytest.param("kerr", marks=pytest.mark.slow),
+        "so3", "s3", "unknown functions", "nested roots",
+    ],
+)  # fmt: skip
 def test_threads_that_share_a_frame(name: str) -> None:
     """Each of eight threads asks a quarter of all questions, and gets what one thread gets."""
     assert differing(name, 1, share=4) == {}

@@ -71,6 +71,7 @@ def test_a_pendulum(options):
     assert (orbit.trivial, orbit.multipliers, orbit.stability) == (2, (), "neutral")
 
 
+@pytest.mark.slow
 def test_lyapunovs_orbit_of_the_first_point():
     """CAPD: at C = 3.03 the orbit of L1 starts at x = 0.9208034913207435 +- 5e-15."""
     problem, c = three_bodies()

@@ -24,8 +24,12 @@ def newman_penrose(frame: FrameLike) -> NewmanPenrose:
 
     Equation
     --------
-    Psi_0 = C_lmlm, Psi_1 = C_lnlm, Psi_2 = C_lm(m_bar)n, Psi_3 = C_ln(m_bar)n,
-    Psi_4 = C_n(m_bar)n(m_bar)                                          [NewmanPenrose1962]
+    Psi_0 = C_abcd l^a m^b l^c m^d
+    Psi_1 = C_abcd l^a n^b l^c m^d
+    Psi_2 = C_abcd l^a m^b w^c n^d
+    Psi_3 = C_abcd l^a n^b w^c n^d
+    Psi_4 = C_abcd n^a w^b n^c w^d
+    with w = m_bar, the conjugate of m [NewmanPenrose1962].
 
     Here C has the sign of most books for (-+++), C^a_bcd with R_bd = R^a_bad, which is minus
     `curvature.weyl` at these index positions. For (+---) both signs change, and Psi stays.

@@ -287,8 +287,14 @@ def test_interrupted_while_writing(tmp_path, no_pictures, monkeypatch):
 @pytest.mark.skipif(sys.platform != "linux", reason="the killed process is a fork")
 @pytest.mark.parametrize(
     "scene",
-    [("dzhanibekov", "--t", "1"), ("lagrange_cusp", "--t", "0.05", "--watch", "omega")],
-    ids=lambda x: x[0],
+    [
+        pytest.param(("dzhanibekov", "--t", "1"), id="dzhanibekov"),
+        pytest.param(
+            ("lagrange_cusp", "--t", "0.05", "--watch", "omega"),
+            id="lagrange_cusp",
+            marks=pytest.mark.slow,
+        ),
+    ],
 )
 def test_a_run_is_resumed_wherever_it_is_killed(tmp_path, no_pictures, scene):
     """Killed before the k-th change of its files, a run is resumed to the same arrays."""

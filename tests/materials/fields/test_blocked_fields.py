@@ -80,7 +80,7 @@ def noisy(n: int, defects: bool) -> np.ndarray:
     return found
 
 
-@pytest.mark.parametrize(("n", "defects"), few(2, [(200, True), (300, False), (620, False)]))
+@pytest.mark.parametrize(("n", "defects"), few(2, [(200, True), (300, False), (530, False)]))
 def test_noise_is_estimated_as_at_once(tmp_path, n, defects):
     """Noise passes in 0.1 % of all circuits in both maps; defects are significant in both.
 

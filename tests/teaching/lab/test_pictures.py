@@ -82,7 +82,7 @@ def test_the_table_shows_the_library():
     assert np.allclose([float(x.replace("−", "-")) for x in shown], b.vector, atol=1e-6)
 
 
-@pytest.mark.parametrize("name", one_in(3, list(drawable().values())))
+@pytest.mark.parametrize("name", one_in(6, list(drawable().values())))
 def test_every_offered_space_has_a_loop_and_a_path(name):
     """The initial loop and path of each offered space are computed without an error."""
     known = space_info(name)

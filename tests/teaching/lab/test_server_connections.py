@@ -192,6 +192,7 @@ def comes_soon(port: int, query: str) -> bool:
         return reply.status == 200
 
 
+@pytest.mark.slow
 def test_real_pages_that_are_not_read():
     """Sixty requests on one connection fill the buffers of the system, so an answer waits."""
     with served() as url:
