@@ -58,7 +58,7 @@ LONG = (
     "geomtorsion exercises export --to stack -o moodle",
     "geomtorsion lab --export pages",
     "geomtorsion ringing schwarzschild --set M=1",
-    'geomtorsion count -L "T + c*T**2" -g teleparallel --dimension 3',
+    'geomtorsion count -L "T + c*T**2" --dimension 3',
     "geomtorsion price lagrange_cusp --t 1",
     "geomtorsion shadow kerr --set a=0.9 -o shadow",
 )

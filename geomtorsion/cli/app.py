@@ -7,6 +7,7 @@ from typing import Annotated, ClassVar
 import typer
 
 from geomtorsion.cli.lazy import SETTINGS, LazyGroup
+from geomtorsion.support.checks import near_names
 
 
 class Commands(LazyGroup):
@@ -75,6 +76,16 @@ class Commands(LazyGroup):
     }  # fmt: skip
     # Lists are printed at once, and the page is served until Ctrl-C.
     limited = frozenset(summaries) - {"spaces", "scenes", "lab", "exercises"}
+
+    def _about(self, word: str) -> str:
+        """Also the command for a quantity, such as ricci, or for a space, such as kerr."""
+        # Only a wrong name needs these tables, which take longer to load than the list.
+        from geomtorsion.geometry.quantities import QUANTITIES
+        from geomtorsion.spaces import names
+
+        quantity = near_names(word.lower(), QUANTITIES)
+        other = f"geometry SPACE --only {quantity}" if quantity else ""
+        return super()._about(word) or (f"geometry {word}" if word in names() else other)
 
 
 app = typer.Typer(

@@ -25,8 +25,11 @@ from geomtorsion.errors import AllowanceError, ArgumentError
 from geomtorsion.support import checks
 from geomtorsion.support.checks import near_names
 from geomtorsion.support.outgoing import plain_streams
+from geomtorsion.support.typed_text import is_typed
 from geomtorsion.support.workers import Bounds, work_within
 
+# One minus, as before an option of one letter.
+_MINUS = re.compile(r"-[^-]")
 # typer has a copy of click of its own, older ones use click: contexts and commands are Any here.
 # Plain help, and no traceback with the values of all variables.
 SETTINGS: dict[str, Any] = {
@@ -89,7 +92,11 @@ class LazyGroup(TyperGroup):
                     formatter.write_dl([(name, self.summaries[name]) for name in names])
 
     def parse_args(self, ctx: Any, args: list[str]) -> list[str]:
-        """The arguments of the group; a wrong option of the group ends like any other error."""
+        """The arguments of the group; a wrong option of the group ends like any other error.
+
+        A blank before a line element that begins with a minus keeps it from being an option.
+        """
+        args = [f" {one}" if _MINUS.match(one) and is_typed(one) else one for one in args]
         ctx.meta.setdefault(_ARGUMENTS, list(args))
         # Without arguments typer shows help and raises it as an error.
         with clean_exits() if args else nullcontext():

@@ -123,7 +123,8 @@ SpaceOrFile = Annotated[
     str,
     argument(
         "SPACE|FILE",
-        "A shipped space (see `geomtorsion spaces`) or a tetrad file (TOML).",
+        "A shipped space (see `geomtorsion spaces`), a tetrad file (TOML), or a line element or "
+        "one-forms in quotes: 'dr^2 + r^2 dtheta^2', 'dr, r dtheta'.",
         _spaces,
     ),
 ]

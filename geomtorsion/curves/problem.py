@@ -802,6 +802,10 @@ class CurveProblem(ByContent):
         """Times of jumps: none."""
         return ()
 
+    def pulses(self, end: float) -> tuple[float, ...]:
+        """No times: rates depend on the place."""
+        return ()
+
     def columns(self, moment: Moment) -> dict[str, np.ndarray]:
         """Named columns for tables: t, coordinates, coordinate and frame velocities."""
         table = {"t": moment.time}

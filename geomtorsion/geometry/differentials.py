@@ -10,15 +10,13 @@ import sympy as sp
 
 from geomtorsion.errors import CoframeError, MetricError
 from geomtorsion.support.checks import ErrorClass, refuse
+from geomtorsion.support.typed_text import ANGLES, SPHERE
 
 # Text, its place in messages, and the symbols dq^mu that it may contain.
 Reader = Callable[[str, str, Sequence[sp.Symbol]], sp.Expr]
 # One entry of a matrix, as opposed to a row.
 _ENTRY = (int, str, sp.Expr)
 _LEFT_SIDE = re.compile(r"\s*ds\s*(\^|\*\*)\s*2\s*=")
-# The line element of the unit sphere, as books abbreviate it.
-_SPHERE = re.compile(r"d(?:Ω|Omega)(?:_2)?\s*(?:\^|\*\*)\s*2(?!\d)")
-_ANGLES = (("theta", "phi"), ("θ", "φ"), ("theta", "varphi"), ("θ", "ϕ"))
 
 
 def differentials(
@@ -105,9 +103,9 @@ def written_out(
 def _with_sphere(text: str, coordinates: Sequence[sp.Symbol]) -> str:
     """A line element in which dOmega^2 is written out in the two angles."""
     names = [symbol.name for symbol in coordinates]
-    for theta, phi in _ANGLES:
+    for theta, phi in ANGLES:
         if theta in names and phi in names:
-            return _SPHERE.sub(f"(d{theta}^2 + sin({theta})^2 d{phi}^2)", text)
+            return SPHERE.sub(f"(d{theta}^2 + sin({theta})^2 d{phi}^2)", text)
     return text
 
 

@@ -12,7 +12,7 @@ import numpy as np
 from geomtorsion.errors import ArgumentError
 from geomtorsion.geometry.connections import FrameLike, as_frame
 from geomtorsion.loops.arcs import Parameters, Part
-from geomtorsion.loops.defects import lines_alone
+from geomtorsion.loops.defects import lines_alone, winds_around_line
 from geomtorsion.loops.domain import refuse_outside
 from geomtorsion.loops.forms import forms
 from geomtorsion.loops.hidden_flux import hidden_flux
@@ -36,6 +36,7 @@ from geomtorsion.support.outgoing import size_text
 
 # Accuracy of a Burgers vector for which none is requested.
 ACCURACY = 1e-12
+HIDDEN = "line: the loop encloses a singular line, which the flux does not contain"
 
 
 @argument_hints(
@@ -154,6 +155,13 @@ def burgers_vector(
         _chosen(part, *pair, accuracy) if only_lines or not cuts else _near_pole(part, *pair)
         for part, pair, cuts in zip(loop.parts, pairs, near, strict=True)
     ]
+    if compiled.poles is not None:
+        chosen = [
+            (pair[0], False, HIDDEN)
+            if choice[0] is pair[1] and winds_around_line(frame, loop, part, parameters)
+            else choice
+            for part, pair, choice in zip(loop.parts, pairs, chosen, strict=True)
+        ]
     routes, verdicts, reasons = zip(*chosen, strict=True)
     power = min(route.power for route in routes)
     with np.errstate(over="ignore", invalid="ignore"):

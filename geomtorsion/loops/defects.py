@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Hashable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -15,10 +15,11 @@ from geomtorsion.geometry.connections import ConnectionLike, FrameLike, as_conne
 from geomtorsion.geometry.derived import derived
 from geomtorsion.loops.affine_form import AffineForm, line_rate
 from geomtorsion.loops.affine_map import AffineMap
-from geomtorsion.loops.arcs import Number, Parameters, shown
+from geomtorsion.loops.arcs import Number, Parameters, Part, shown
 from geomtorsion.loops.defect_lines import Lines
 from geomtorsion.loops.forms import Poles, parameter_values
 from geomtorsion.loops.loop import Loop
+from geomtorsion.loops.poles import arc_samples
 from geomtorsion.loops.symbol_values import with_numbers
 from geomtorsion.loops.transport import transported
 from geomtorsion.loops.validation import rows
@@ -290,6 +291,31 @@ def enclosed_defects(
         for one, count in turns
         if count
     )
+
+
+def winds_around_line(
+    frame: Frame,
+    loop: Loop,
+    part: Part,
+    parameters: Parameters | None,
+    connection: Connection | None = None,
+) -> bool:
+    """Whether a part of a loop winds around a singular line, which a surface over it meets.
+
+    Rounding of a large loop hides a small charge, so that line and surface seem to agree.
+    """
+    lines = [(x, x.across) for x in find_defects(frame, connection) if x.across is not None]
+    if not lines or loop.gap.any():
+        return False
+    points = np.concatenate([x.reshape(len(x), -1) for _, _, x in arc_samples(part)], axis=1)
+    for one, sides in lines:
+        across = np.array(rows(sides, len(points)))
+        low, high = (across @ points).min(axis=1), (across @ points).max(axis=1)
+        # Twice the box of the samples contains the curve between them.
+        apart = np.abs(across @ np.array(one.place(parameters)) - (low + high) / 2)
+        if (apart <= high - low).all() and one.winding(replace(loop, parts=(part,)), parameters):
+            return True
+    return False
 
 
 def charge(

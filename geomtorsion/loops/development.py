@@ -16,7 +16,13 @@ from geomtorsion.geometry.connections import ConnectionLike, as_connection
 from geomtorsion.loops.affine_form import AffineForm, around_cone, line_rate
 from geomtorsion.loops.affine_map import AffineMap
 from geomtorsion.loops.arcs import Number, Parameters, Part
-from geomtorsion.loops.defects import Defect, EnclosedDefect, enclosed_defects, lines_alone
+from geomtorsion.loops.defects import (
+    Defect,
+    EnclosedDefect,
+    enclosed_defects,
+    lines_alone,
+    winds_around_line,
+)
 from geomtorsion.loops.domain import refuse_outside
 from geomtorsion.loops.forms import perturbed
 from geomtorsion.loops.integrals import DISAGREE, probes
@@ -305,6 +311,13 @@ def develop(
         _Routes(line, _cone(form, part, accuracy))
         for line, part in zip(lines, loop.parts, strict=True)
     ]
+    if form.poles is not None:
+        routes = [
+            replace(one, cone=None)
+            if one.agree and winds_around_line(frame, loop, part, parameters, connection)
+            else one
+            for one, part in zip(routes, loop.parts, strict=True)
+        ]
     enclosed: tuple[EnclosedDefect, ...] = ()
     if defects is not None or not all(one.agree for one in routes):
         enclosed = enclosed_defects(frame, loop, parameters, defects=defects, connection=connection)

@@ -17,6 +17,7 @@ from geomtorsion.loops import validation
 from geomtorsion.loops.arcs import Ellipse, Parameters, Plane, Point
 from geomtorsion.loops.burgers import burgers_vector
 from geomtorsion.loops.chains import ClosedCurve, Shape, Square
+from geomtorsion.loops.defects import find_defects
 from geomtorsion.loops.domain import edge_values
 from geomtorsion.loops.forms import Forms, forms
 from geomtorsion.loops.integrals import Places, agreement, by_levels
@@ -270,6 +271,7 @@ class _Family:
         largest = np.abs(value).max(axis=0)
         unsettled = ~(error <= self.accuracy * largest) & ~(largest <= error)
         unsettled |= ~np.isfinite(flux.error) | self._near_poles(places) | self._outside(places)
+        unsettled |= by_flux & self._near_lines(places)
         points = line.points + flux.points
         for k in np.flatnonzero(unsettled):
             points += self._alone(result, int(k), centres[:, k], axes[:, k])
@@ -288,6 +290,18 @@ class _Family:
         if self.forms.poles is None:
             return np.zeros(len(places.sizes), dtype=bool)
         return steep(self.forms.poles, places.points(self.shape.rim(2).points))
+
+    def _near_lines(self, places: Places) -> np.ndarray:
+        """Loops that may surround a singular line, shape (k,)."""
+        near = np.zeros(len(places.sizes), dtype=bool)
+        for line in find_defects(self.frame) if self.forms.poles is not None else ():
+            if line.across is not None:
+                place = line.place(self.parameters)
+                across = np.array(validation.rows(line.across, len(place)))
+                apart = np.abs(across @ (places.centres - np.array(place)[:, None]))
+                reach = 2 * np.abs(across).sum(axis=1)[:, None] * places.sizes
+                near |= (apart <= reach).all(axis=0)
+        return near
 
     def _outside(self, places: Places) -> np.ndarray:
         """Loops with a point outside the domain of the frame, shape (k,)."""

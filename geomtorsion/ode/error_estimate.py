@@ -337,7 +337,8 @@ class _Pair(NamedTuple):
                 extent = max([self.sizes[k] for k in group])
                 part = gap / extent if extent > 0 else math.inf
                 if part > UNALIKE:
-                    part = gap / _size_of_noise(self.parts[0][1].stage, one, group, extent)
+                    size = _size_of_noise(self.parts[0][1].stage, one, group, extent)
+                    part = gap / size if size > 0 else math.inf
                 worst = max(worst, part)
         return worst
 

@@ -24,6 +24,7 @@ from geomtorsion.ode.members import Members, Rows
 from geomtorsion.ode.moment import Moment, Term
 from geomtorsion.ode.numbers import Numbers, Real, floats, mpf, perturbed
 from geomtorsion.ode.pieces import BranchedGraph, has_pieces, term_graph
+from geomtorsion.ode.pulses import pulses
 from geomtorsion.ode.rates import CLOCK, Rates, names_in
 from geomtorsion.ode.roots import shares_left
 from geomtorsion.ode.stages import Stages
@@ -31,6 +32,7 @@ from geomtorsion.ode.switching import Switching
 from geomtorsion.ode.system import System
 from geomtorsion.ode.terms import At, Terms, When, moments
 from geomtorsion.ode.trajectory import Event, Segment, Stage, State, Trajectory
+from geomtorsion.ode.uniqueness import undecided_root
 from geomtorsion.ode.writing import number_text, numbers_text, term_text, terms_text
 from geomtorsion.support import checks
 from geomtorsion.support.caching import cached_property
@@ -488,6 +490,13 @@ class ODE(ByContent):
         for stop, room in self._rooms(0.0, self.start, self.parameters).items():
             if not room >= 0:
                 raise self._stopped_at_once(stop, room)
+        root = undecided_root(self.rates, self.start, self.parameters)
+        if root is not None:
+            raise StartError(
+                f"start: expected a start with one motion, got {root.base} = 0, where {root} lets "
+                "a motion rest or leave at any time. Start beside it, or use equations of second "
+                "order."
+            )
         if self.is_switched:
             self.first_stage(53, 0.0)
 
@@ -851,6 +860,10 @@ class ODE(ByContent):
     def breaks(self) -> tuple[float, ...]:
         """Times at which something may jump."""
         return tuple(event.time for event, _ in self.timed)
+
+    def pulses(self, end: float) -> tuple[float, ...]:
+        """Times up to an end around narrow pulses of the rates."""
+        return pulses(self.rates, self.parameters, end)
 
     def described(self) -> dict[str, Any]:
         """The equations as plain text, and numbers as text, for files."""

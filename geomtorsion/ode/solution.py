@@ -161,6 +161,10 @@ class Problem(Protocol):
         """Times at which something may jump."""
         ...
 
+    def pulses(self, end: float) -> tuple[float, ...]:
+        """Times up to an end around narrow pulses of the rates."""
+        ...
+
     def columns(self, moment: Moment) -> Mapping[str, np.ndarray]:
         """Named columns for tables."""
         ...

@@ -6,6 +6,7 @@ import math
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, replace
 from functools import partial
+from itertools import pairwise
 from pathlib import Path
 from typing import TypeAlias
 
@@ -200,13 +201,14 @@ def _solved(
     ended: Solution | None = None
     end = float(grid[-1])
     parts = () if kept is None else tuple(end * k / PARTS for k in range(1, PARTS))
+    pulses = problem.pulses(end)
     for candidate, reason in engines(problem, accuracy, engine):
         check_memory(len(grid), len(problem.first_stage(candidate.precision, 0.0).start))
         last = engine is not None or candidate.precision > 113
         if not last and amplified * rounding(candidate, 1) > accuracy:
             # Its roundings would be too much.
             continue
-        asked = _Runs(problem, candidate, accuracy, grid, parts, kept, report, last)
+        asked = _Runs(problem, candidate, accuracy, grid, parts, kept, report, last, pulses=pulses)
         result = _followed(asked, runs, growth, amplified)
         growth, amplified = result.growth, result.amplified
         names.append(candidate.name)
@@ -224,7 +226,7 @@ def _solved(
             alternative = None
             if engine is None and candidate != RungeKutta() and is_coarse(accuracy):
                 # Series have no value where roots begin, which steps may leave behind.
-                stepwise = _Runs(problem, RungeKutta(), accuracy, grid, parts, kept, report)
+                stepwise = replace(asked, engine=RungeKutta(), last=True)
                 alternative = _complete(stepwise, runs)
             if alternative is None:
                 raise _stuck_error(problem, solution)
@@ -253,7 +255,7 @@ class _Runs:
 
     grid: the times of the samples; cuts: times at which runs end and continue.
     last: whether no more precise engine follows. fineness: of the parts of the way that the finer
-        run does not pass over in one step.
+        run does not pass over in one step. pulses: times at which all runs end and continue.
     """
 
     problem: Problem
@@ -265,6 +267,7 @@ class _Runs:
     report: Report | None
     last: bool = True
     fineness: int = 1
+    pulses: tuple[float, ...] = ()
 
     @property
     def limit(self) -> float:
@@ -282,7 +285,8 @@ class _Runs:
             amplified=amplified, last=self.last,
         )  # fmt: skip
         runs += result.runs
-        return result
+        # Within a pulse the roundings of the time count; one difference of them may be small.
+        return result._replace(error=SAFETY**3 * result.error) if self.pulses else result
 
     @property
     def parts(self) -> tuple[float, ...]:
@@ -312,13 +316,18 @@ class _Runs:
                 roundings = Roundings(part, max(answer.steps, 1), float(self.grid[-1]), pattern)
             else:
                 moved = MAGNIFIED * change_by_rounding(engine, answer.steps)
+        cuts = () if answer and self.kept is None and not pattern else self.cuts
+        pulses = self.pulses
+        if answer is not None:
+            # Cut elsewhere, it rounds the time in another way.
+            pulses = tuple((a + b) / 2 for a, b in pairwise(pulses))
         try:
             return integrate(
                 self.problem.first_stage(engine.precision, moved),
                 grid,
                 tolerance,
                 engine,
-                cuts=() if answer and self.kept is None and not pattern else self.cuts,
+                cuts=sorted({*cuts, *pulses}, key=abs) if pulses else cuts,
                 roundings=roundings,
                 longest=longest,
                 runner=self.kept
@@ -346,7 +355,8 @@ def verified_motion(
 
     grid: times in the time of the stages.
     """
-    return _followed(_Runs(problem, engine, accuracy, grid, (), None, None), [])
+    pulses = problem.pulses(float(grid[-1]))
+    return _followed(_Runs(problem, engine, accuracy, grid, (), None, None, pulses=pulses), [])
 
 
 def _followed(

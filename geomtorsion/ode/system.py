@@ -726,6 +726,8 @@ def units_of(
         if top > 0:
             scales[group] = np.where(largest[group] < top / FAR, largest[group], top)
             scales[group] = np.where(scales[group] > 0, scales[group], top)
+    # Below these, rates in units of the scales would overflow: a rounding of zero.
+    scales[scales <= max(time, 1.0) * np.finfo(float).tiny] = 1.0
     if all(map(_is_near, (*scales.tolist(), time))):
         return None
     scales = 2.0 ** np.round(np.log2(scales))

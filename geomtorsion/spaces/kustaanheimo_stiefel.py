@@ -49,4 +49,5 @@ def _place(frame: Frame) -> Embedding:
         2 * (q1 * q4 - q2 * q3),
         q1**2 + q2**2 - q3**2 - q4**2,
     )
-    return Embedding(q, place=place, isometric=False, title="the point in space")
+    axes = ("x", "y", "z")
+    return Embedding(q, place=place, axes=axes, isometric=False, title="the point in space")

@@ -169,7 +169,8 @@ def load(name: str | PathLike[str]) -> Space:
     hint = f"Near: {', '.join(near)}." if near else "None is near."
     raise UnknownNameError(
         f"expected the name of a shipped space, got {shown(name)}. {hint} "
-        "`geomtorsion spaces` (or geomtorsion.spaces.names()) lists all of them."
+        "`geomtorsion spaces` (or geomtorsion.spaces.names()) lists all of them. A file flat.toml "
+        "makes another space: coordinates = ['t', 'x'] and metric = '-dt^2 + dx^2'."
     )
 
 

@@ -23,5 +23,6 @@ __all__ = [
     "precision",
     "progress",
     "text_rows",
+    "typed_text",
     "workers",
 ]

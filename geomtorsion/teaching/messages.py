@@ -21,11 +21,11 @@ _WORD = r"\([^()]*\)|[^\s,;()]+"
 _THOUSANDS = re.compile(r"[0-9]{1,3}(?:,[0-9]{3})+")
 
 
-def in_language(message: str, language: str = ENGLISH) -> str:
+def in_language(message: str, language: str = ENGLISH, own: str = "") -> str:
     """A message of the library in another language.
 
-    Quoted input, numbers and names stay. A message with a sentence that the language lacks stays
-    English, after a note in the language.
+    own: the name of a question, which stays. Quoted input, numbers and other names stay also.
+    A message with a sentence that the language lacks stays English, after a note in the language.
 
     Examples
     --------
@@ -37,21 +37,23 @@ def in_language(message: str, language: str = ENGLISH) -> str:
     if language == ENGLISH or not message:
         return message
     lines = [
-        line if line.startswith("    ") else _line(line, language) for line in message.split("\n")
+        line if line.startswith("    ") else _line(line, language, own)
+        for line in message.split("\n")
     ]
     if None in lines:
         return texts("messages", "note", language)("english", message=message)
     return "\n".join(map(str, lines))
 
 
-def _line(line: str, language: str) -> str | None:
+def _line(line: str, language: str, own: str) -> str | None:
     """A line in the language: whole sentences, perhaps after the place that it names."""
     written = _sentences(_END.split(line), language)
     place = _PLACE.match(line)
     if written is not None or place is None:
         return written
-    rest = _line(line[place.end() :], language)
-    return None if rest is None else f"{_named(place[1], language)}{place[2]}: {rest}"
+    rest = _line(line[place.end() :], language, own)
+    name = place[1] if place[1] == own else _named(place[1], language)
+    return None if rest is None else f"{name}{place[2]}: {rest}"
 
 
 def _named(place: str, language: str) -> str:

@@ -46,6 +46,10 @@ def test_a_wrong_name_is_refused():
     error = CliRunner().invoke(app, ["torsion"]).stderr
     assert "Did you mean 'geometry'?" in error
     assert "Did you mean" not in CliRunner().invoke(app, ["t"]).stderr
+    # Quantities and spaces are arguments of a command.
+    error = CliRunner().invoke(app, ["ricci", "kerr"]).stderr
+    assert "Did you mean 'geometry SPACE --only ricci'?" in error
+    assert "Did you mean 'geometry kerr'?" in CliRunner().invoke(app, ["kerr"]).stderr
 
 
 def test_help_lists_the_commands_in_groups():

@@ -120,3 +120,14 @@ def test_a_file_names_itself_in_refusals(tmp_path):
     path.write_text('coordinates = ["r"]\nmetric = "dr"\n', "utf-8")
     with pytest.raises(gt.errors.FileFormatError, match="line.toml: metric: expected a sum"):
         gt.read(path)
+
+
+def test_the_file_that_a_wrong_name_suggests_is_flat(tmp_path):
+    """The message about a space that is not shipped contains a file that can be read."""
+    with pytest.raises(gt.errors.UnknownNameError) as refused:
+        gt.spaces.load("minkowski")
+    keys = str(refused.value).split("another space: ")[1].removesuffix(".").replace(" and ", "\n")
+    path = tmp_path / "flat.toml"
+    path.write_text(keys, "utf-8")
+    frame = gt.read(path).frame
+    assert frame.metric == gt.Frame.from_metric(frame.coordinates, [-1, 1]).metric

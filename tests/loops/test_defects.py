@@ -16,6 +16,7 @@ from geomtorsion.geometry import Frame, cartan, levi_civita
 from geomtorsion.loops import (
     Defect,
     Loop,
+    burgers_map,
     burgers_vector,
     develop,
     dispiration,
@@ -255,3 +256,26 @@ def test_a_charge_is_measured_on_a_quarter_of_the_free_distance(size, gap):
     found = charge(cartan(frame), one, Loop.circle([10.1, 0, 0], size)).burgers[2]
     free = min(size, gap)
     assert found - 1 == pytest.approx(0.1 * np.pi * (free / 4) ** 2, rel=1e-5)
+
+
+@pytest.mark.parametrize("radius", [1, 1e14, 1e155])
+@pytest.mark.parametrize("name", ["screw_dislocation", "edge_dislocation"])
+def test_a_charge_below_the_rounding_of_its_loop_is_within_the_error(name, radius):
+    """The flux of a singular line is zero: it agrees with a line integral whose error is larger."""
+    frame = spaces.load(name).frame.subs({"b": sp.Rational(1, 10**16) if radius == 1 else 1})
+    charge = 1e-16 if radius == 1 else 1
+    row = 2 if name == "screw_dislocation" else 0
+    b = burgers_vector(frame, Loop.circle([0, 0, 0], radius, plane=(0, 1)))
+    assert abs(b.vector[row] - charge) <= b.error
+    assert [one.turns for one in b.enclosed] == [1]
+    assert burgers_vector(frame, Loop.circle([9 * radius, 0, 0], radius, plane=(0, 1))).error == 0
+
+
+def test_maps_and_developments_keep_a_charge_below_rounding():
+    frame = spaces.load("screw_dislocation").frame.subs({"b": sp.Rational(1, 10**16)})
+    table = burgers_map(frame, ([-3, -1, 1, 3], [-3, -1, 1, 3]))
+    assert table.enclosed.sum() == table.enclosed[1, 1] == 1
+    assert abs(table.vectors[2, 1, 1] - 1e-16) <= table.errors[1, 1]
+    moved = develop(cartan(frame), Loop.circle([0, 0, 0], 1, plane=(0, 1)))
+    assert abs(moved.burgers[2] - 1e-16) <= moved.error
+    assert [one.turns for one in moved.enclosed] == [1]

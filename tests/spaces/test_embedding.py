@@ -7,7 +7,7 @@ import pytest
 
 from geomtorsion.errors import CoordinateError
 from geomtorsion.geometry import Frame
-from geomtorsion.spaces import load, names, read_file
+from geomtorsion.spaces import load, names, read_file, titles
 from geomtorsion.spaces.registry import embedding_of
 from tests.rounding import ROUNDED
 
@@ -89,3 +89,10 @@ def test_values_against_declarations():
         match="R: expected a value that is positive, nonnegative, as declared, got -1",
     ):
         embedding.places(point[None, :], values | {"R": -1})
+
+
+@pytest.mark.parametrize("name", sorted(titles()))
+def test_each_coordinate_of_a_place_has_an_axis(name: str):
+    """A figure needs the name of an axis for each coordinate of a position."""
+    embedding = embedding_of(load(name).frame)
+    assert embedding is None or len(embedding.axes) == len(embedding.place)

@@ -118,11 +118,18 @@ def test_an_unreadable_file_has_a_german_message(content: bytes, expected: str):
     assert expected in answer(request | {"attached": attached})["problem"]
 
 
-def test_a_curve_that_ends_has_a_german_reason():
+@pytest.mark.parametrize(
+    ("space", "velocity", "expected"),
+    [
+        ("flat_polar", [-1, 0], "Sie endet bei t = 1, bei r = 0, phi = 0"),
+        ("schwarzschild_falling", [1.2, -0.6, 0, 0.2], "(r > 0 gilt nicht mehr)"),
+    ],
+)
+def test_a_curve_that_ends_has_a_german_reason(space: str, velocity: list[float], expected: str):
     """The sentence below two curves ends with the reason why one of them ends early."""
-    case = {"space": "flat_polar", "velocity": [-1, 0], "t": 5.0, "language": "de"}
+    case = {"space": space, "velocity": velocity, "t": 25.0, "language": "de"}
     sentence = answer({"task": "paths", "arguments": case})["sentence"]
-    assert "Die geradeste Kurve: Sie endet bei t = 1, bei r = 0, phi = 0" in sentence
+    assert expected in sentence
     assert not words(sentence) & ENGLISH
 
 
@@ -134,11 +141,15 @@ def test_a_curve_that_ends_has_a_german_reason():
         ("1.1", "1,1,1 = 2", "hier braucht es 2 Indizes, in '1,1,1' sind es 3."),
         ("3.2", "sin(q)", "q kommt in dieser Frage nicht vor"),
         ("3.2", "1/2r phi2", "kann man auf zwei Arten lesen. Schreibe (1/2)*r oder 1/(2*r)."),
-        ("4.1", "1,5", "hier braucht es eine Zahl mit Dezimalpunkt, nicht 1,5. Schreibe 1.5."),
+        (
+            "4.1",
+            "1,5",
+            "radius: hier braucht es eine Zahl mit Dezimalpunkt, nicht 1,5. Schreibe 1.5.",
+        ),
     ],
 )
 def test_an_unreadable_answer_has_a_german_message(number: str, text: str, expected: str):
-    """Components, indices, names, ambiguous products, and a decimal comma."""
+    """Components, indices, names, ambiguous products, units, and a decimal comma."""
     exercise = exercises.load(number, language="de")
     first = exercise.questions[0].name
     message = exercise.check({first: text})[first].message

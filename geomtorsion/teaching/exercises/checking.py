@@ -43,7 +43,7 @@ def check_question(question: Question, given: object) -> QuestionVerdict:
         code, message = "too large", str(error)
     except (GeomtorsionError, ArithmeticError, ValueError, RecursionError) as error:
         code, message = "unreadable", str(error) or type(error).__name__
-    return _wrong(question, code, in_language(message, question.language))
+    return _wrong(question, code, in_language(message, question.language, question.name))
 
 
 def _message(question: Question, code: str) -> str:
