@@ -308,3 +308,10 @@ def test_without_xarray_a_line_names_the_remedy(monkeypatch) -> None:
     monkeypatch.setitem(sys.modules, "xarray", None)
     with pytest.raises(MissingExtraError, match="to_xarray needs xarray"):
         MOTION.to_xarray()
+
+
+def test_a_call_without_an_argument_names_it():
+    """The error belongs to this library and lists the arguments."""
+    for call in (gt.burgers_vector, gt.solve, gt.shadow, gt.burgers_map):
+        with pytest.raises(gt.errors.ArgumentError, match="got no "):
+            call()

@@ -24,6 +24,7 @@ from geomtorsion.ode.error_estimate import AIM
 from geomtorsion.support import checks
 from geomtorsion.support.copies import only_fields
 from geomtorsion.support.executors import Executor
+from geomtorsion.support.hints import argument_hints
 
 # A ray that has come this much nearer to an edge of the domain than the camera is captured. Light
 # that comes so near does not return; nearer to it, frame velocities only grow.
@@ -249,6 +250,7 @@ class Shadow:
         )
 
 
+@argument_hints()
 def shadow(
     space: Any,
     camera: Any,

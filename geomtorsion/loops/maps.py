@@ -27,7 +27,7 @@ from geomtorsion.loops.quadrature import PIECE
 from geomtorsion.support import checks
 from geomtorsion.support.displays import Plot, drawn_by, figure_by
 from geomtorsion.support.executors import Executor, checked_executor, each_done
-from geomtorsion.support.hints import attribute_hints
+from geomtorsion.support.hints import argument_hints, attribute_hints
 from geomtorsion.support.progress import PATIENCE, bar
 
 # Number of loops that are treated together: the points of each need a few pieces.
@@ -166,6 +166,7 @@ def _names(frame: Frame) -> list[str]:
     return [symbol.name for symbol in frame.coordinates]
 
 
+@argument_hints()
 def burgers_map(
     frame: FrameLike,
     edges: Sequence[Sequence[float] | np.ndarray],

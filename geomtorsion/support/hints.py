@@ -87,7 +87,7 @@ def argument_hints(
     Raises
     ------
     ArgumentError
-        A call has a keyword that the function does not take.
+        A call has a keyword that the function does not take, or lacks an argument.
 
     Examples
     --------
@@ -103,6 +103,12 @@ def argument_hints(
         parameters = signature(function).parameters.values()
         names = [one.name for one in parameters if one.kind is not Parameter.VAR_KEYWORD]
         allowed = frozenset(names)
+        needed = [
+            (k, one.name)
+            for k, one in enumerate(parameters)
+            if one.default is Parameter.empty
+            and one.kind in (Parameter.POSITIONAL_OR_KEYWORD, Parameter.KEYWORD_ONLY)
+        ]
 
         @wraps(function)
         def checked(*args: Arguments.args, **options: Arguments.kwargs) -> Result:
@@ -113,6 +119,12 @@ def argument_hints(
                     raise ArgumentError(
                         f"{function.__name__}: expected the arguments {', '.join(names)}, got "
                         f"{shown(name)}.{hint}"
+                    )
+            for place, name in needed:
+                if place >= len(args) and name not in options:
+                    raise ArgumentError(
+                        f"{function.__name__}: expected the arguments {', '.join(names)}, got no "
+                        f"{name}. Give a value for it."
                     )
             return function(*args, **options)
 

@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
+import mpmath
 import pytest
 import sympy as sp
 
 from geomtorsion.errors import SingularPointError
-from geomtorsion.exact import Field, evaluate
+from geomtorsion.exact import Field
 
 x, y = sp.symbols("x y", real=True)
 
@@ -33,11 +34,12 @@ def test_what_vanishes_is_zero_at_large_numbers_too() -> None:
     assert element.evaluate({x: large + 2}) == 1.0
 
 
-@pytest.mark.parametrize("bits", [1, 300])
-def test_bits_at_the_beginning_decide_nothing(bits: int, monkeypatch: pytest.MonkeyPatch) -> None:
-    """The number of guard bits at the start does not change a single bit of the value."""
+@pytest.mark.parametrize("precision", [20, 53, 90, 300])
+def test_each_precision_rounds_the_same_number(precision: int) -> None:
+    """A value of few bits is the value of many bits, rounded, where all digits cancel at first."""
     element = Field([x, y]).read((sp.sqrt(x**2 + 1) - x) * sp.exp(y) / 7)
-    place = {x: sp.Integer(10) ** 20, y: sp.Rational(1, 3)}
-    before = element.evaluate(place), element.evaluate(place, precision=90)
-    monkeypatch.setattr(evaluate, "_GUARD", bits)
-    assert (element.evaluate(place), element.evaluate(place, precision=90)) == before
+    value = element.evaluate({x: sp.Integer(10) ** 20, y: sp.Rational(1, 3)}, precision=precision)
+    with mpmath.workprec(600):
+        large = mpmath.mpf(10) ** 20
+        exact = (mpmath.sqrt(large**2 + 1) - large) * mpmath.exp(mpmath.mpf(1) / 3) / 7
+        assert abs(value / exact - 1) <= mpmath.mpf(2) ** -precision

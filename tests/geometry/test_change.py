@@ -165,3 +165,12 @@ def test_anything_but_a_change_of_coordinates_is_refused(call, words):
     """Each bad change of coordinates is refused with its own message."""
     with pytest.raises(GeomtorsionError, match=words):
         call()
+
+
+def test_chosen_roots_stay_chosen_in_other_coordinates():
+    """sqrt(x^2) = -x remains so in the coordinate u = x - 1, also where x is positive."""
+    x, u, y = sp.symbols("x u y", real=True)
+    root = sp.sqrt(x**2)
+    frame = gt.Frame([x, y], [[1, 0], [0, 2 + root]], branches={root: -x})
+    moved = frame.in_coordinates([u, y], {x: u + 1})
+    assert sp.simplify(moved.coframe[1, 1] - (1 - u)) == 0

@@ -44,6 +44,16 @@ def disc() -> gt.Connection:
     return gt.constrained(energy, forms, parameters=[R])
 
 
+def test_one_forms_of_any_length_and_angle_leave_the_metric_as_it_is():
+    """The adapted frame has the metric that was given, whatever one-forms it is adapted to."""
+    energy = gt.Frame.from_metric([x, y, theta, phi], sp.diag(1, 2, 3, m).tolist())
+    forms = ["3*dx + dy - 2*dtheta", "dx + (2 + x**2)*dtheta + dphi"]
+    for constraints in (forms, forms[::-1], forms[:1]):
+        adapted = gt.constrained(energy, constraints).frame
+        expected = gt.Tensor(adapted, "dd", {(k, k): value for k, value in enumerate((1, 2, 3, m))})
+        assert (adapted.metric - expected).is_zero is True
+
+
 def test_sleigh_follows_the_equations_of_chaplygin():
     """u' = a w^2, w' = -m a u w / (I + m a^2): Chaplygin 1911; the forbidden velocity is zero."""
     values = {"m": 2.0, "I": 0.5, "a": 0.3}

@@ -337,3 +337,25 @@ def test_the_error_of_a_product_bounds_perturbed_factors(count):
         largest = max(largest, shift / carried[1] if carried[1] else 0.0)
     # The bound is not empty.
     assert largest > 0.3
+
+
+def test_legs_that_turn_around_the_origin_have_no_holonomy_in_the_plane() -> None:
+    """Legs that turn by another third of the angle end up turned; vectors and points do not."""
+    r = sp.Symbol("r", positive=True)
+    c, s = sp.cos(phi / 3), sp.sin(phi / 3)
+    plane = levi_civita(Frame([r, phi], [[c, r * s], [-s, r * c]]))
+    circle = Loop.parametric(["2", "s"], interval=(0, "2*pi"), periods={1: "2*pi"})
+    found = develop(plane, circle)
+    assert np.abs(found.rotation - np.eye(2)).max() <= found.turn_error
+    assert np.abs(found.burgers).max() <= found.error
+
+
+def test_an_uncertain_turn_adds_to_the_error_of_the_loop_after_it(sphere: Connection) -> None:
+    """The first loop turns the Burgers vector of the second, with the error of its turn."""
+    first = Loop.polygon([[1, 0], [1.5, 0.1], [1.2, 0.4]])
+    second = Loop.polygon([[1, 0], [1.2, -0.6], [1.8, -0.3]])
+    one, two = develop(sphere, first), develop(sphere, second)
+    both = develop(sphere, first.then(second))
+    assert both.error > one.error + two.error
+    moved = one.burgers + one.rotation @ two.burgers
+    assert np.abs(both.burgers - moved).max() <= both.error

@@ -119,6 +119,17 @@ def test_node_rule_sees_a_flux_that_does_not_cancel():
     assert "sum of b" in str(rule)
 
 
+def test_a_face_without_a_finite_flux_decides_nothing():
+    """A line at which the torsion has no number runs through two faces of a closed cell."""
+    x, y, z = sp.symbols("x y z", real=True)
+    frame = Frame([x, y, z], [[1, 0, 0], [0, 1, 0], [sp.exp(1 / (x**2 + y**2) ** 2), 0, 1]])
+    graph = nx.complete_graph(4)
+    corners = [(3, 0.1, 0), (-1.6, 2.6, 0), (-1.4, -2.7, 0), (6, 0, 3)]
+    nx.set_node_attributes(graph, dict(enumerate(corners)), "position")
+    rule = Network(frame, graph).node_rule()
+    assert (rule.checked, rule.holds, rule.pierced) == (1, True, ())
+
+
 def test_forests_trees_and_parallel_edges():
     """A network may have no cycles, several components or parallel edges."""
     frame = spaces.load("heisenberg").frame

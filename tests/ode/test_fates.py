@@ -50,6 +50,15 @@ def test_lines_to_two_walls(kind):
     assert near.times == pytest.approx(np.array([[0.75, 0.5], [0.25, 0.25]]))
 
 
+def test_a_condition_with_a_kink_is_one_end():
+    """Both sides of |x| stop a motion, and both are the same end."""
+    line = gt.ODE.of({"x": "v", "v": "0"}, [0, 1], events=[gt.When("1 - Abs(x)")])
+    walls = gt.end_map(line, {"x": [0.0, 0.5], "v": [-1.0, 0.0, 2.0]}, 4.0)
+    assert walls.fate.tolist() == [[0, 0], [-1, -1], [0, 0]]
+    assert len(walls.conditions) == 1
+    assert list(walls.counts.values()) == [4, 2, 0]
+
+
 def test_the_figure_has_an_entry_for_each_end():
     """Only ends that occur are in the legend."""
     pytest.importorskip("matplotlib")

@@ -18,6 +18,11 @@ def test_how_near_to_zero_a_valley_is_looked_into(reach, seen):
         return 1 + bend / 2 * (t + t**2) - np.exp(-(((t + 0.5) / 0.1) ** 2))
 
     assert len(crossings(function, times, function(times))) == (2 if seen else 0)
+    # Backwards as well: the crossings are as far from the middle of the hole on both sides.
+    back = crossings(function, times[::-1], function(times[::-1]))
+    assert len(back) == (2 if seen else 0)
+    assert np.all(np.diff(back) < 0)
+    assert back.sum() == pytest.approx(-1.0 if seen else 0.0, rel=ROUNDED)
 
 
 @pytest.mark.parametrize(("direction", "turns"), [(0, [1, 2, 3]), (1, [2]), (-1, [1, 3])])

@@ -6,8 +6,8 @@ import json
 import math
 import sys
 import time
+from collections.abc import Callable
 from dataclasses import replace
-from functools import partial
 from typing import Any
 
 import mpmath
@@ -26,7 +26,6 @@ from geomtorsion.prices import (
     Request,
     Way,
     loops,
-    motions,
 )
 from tests.rounding import ROUNDED
 
@@ -80,20 +79,26 @@ def test_the_enclosed_truth_agrees_with_a_closed_form():
         assert low <= exact.true.high <= high
 
 
-def test_a_wrong_claim_is_found(monkeypatch):
-    """A claim below the proved error is judged as wrong."""
-    solve = motions.solve
+class Thing:
+    """A thing with an offer of its own: one way, whose run returns a claim."""
 
-    def boasting(*arguments, **options):
-        solution = solve(*arguments, **options)
-        return replace(solution, error=solution.error / 1e3)
+    def __init__(self, run: Callable[[], Claim], error: float = 0.0) -> None:
+        self.run, self.error = run, error
 
-    monkeypatch.setattr(motions, "solve", boasting)
-    table = gt.price(TOP, 5.0, [1e-4], engines=QUICK, proofs=[10])
-    (row,) = rows_of(table, "estimate")
-    assert row.holds is False
-    assert row.calibration is not None
-    assert row.calibration < 1
+    def offer(self, request: Request) -> Offer:
+        """The way, whose true error is known."""
+        ways = [Way("A", "estimate", lambda _: self.run, request.accuracies)]
+        truth = Bounds(self.error, self.error)
+        return Offer("thing", ways, "the truth", lambda value, accuracy: truth)
+
+
+@pytest.mark.parametrize(("error", "holds"), [(2e-7, False), (5e-8, True)])
+def test_a_wrong_claim_is_found(error, holds):
+    """A claim below the true error is judged as wrong."""
+    thing = Thing(lambda: Claim(1.0, 1e-7), error)
+    (row,) = gt.price(thing, accuracies=[1e-4]).rows
+    assert row.holds is holds
+    assert row.calibration == pytest.approx(1e-7 / error)
 
 
 def test_unreachable_accuracies_are_in_the_table():
@@ -367,6 +372,27 @@ def test_the_plain_run_is_of_the_same_engine():
     assert "Without an error estimate" not in alone.recommendation
 
 
+def test_the_plain_run_is_at_the_same_accuracy():
+    """A coarser run of the same engine, which is cheaper, is another one."""
+    coarse, fine = (
+        replace(priced("A", "plain", seconds), requested=accuracy)
+        for accuracy, seconds in ((1e-3, 1.0), (1e-9, 3.0))
+    )
+    best = replace(priced("A", "estimate", 4.0), requested=1e-9)
+    assert PriceList("a thing", "the truth", (coarse, fine, best)).plain(best) is fine
+    assert PriceList("a thing", "the truth", (coarse, best)).plain(best) is None
+
+
+def test_rows_without_a_name_are_of_the_fastest_way_to_the_finest_accuracy():
+    """A cheaper way that stops at fewer digits, and a slower one to the same, are not taken."""
+    ways = (("A", 1e-3, 1.0), ("B", 1e-9, 7.0), ("C", 1e-9, 5.0))
+    rows = [
+        replace(priced(engine, "estimate", seconds), requested=accuracy, true=Bounds(0.0, 1e-10))
+        for engine, accuracy, seconds in ways
+    ]
+    assert PriceList("a thing", "the truth", tuple(rows)).of() == (rows[2],)
+
+
 def test_a_way_without_results_has_its_own_reason():
     """The message quotes the note of that way, not of the first row."""
     rows = [
@@ -410,41 +436,27 @@ def test_figure_and_notebook(monkeypatch):
 
 def test_memory_is_measured_on_request():
     """The peak of a run that allocates a megabyte is a megabyte."""
-
-    class Thing:
-        """A thing that makes its own offer."""
-
-        def offer(self, request: Request) -> Offer:
-            """One way, which allocates a megabyte."""
-            ways = [Way("A", "plain", lambda a: partial(self.run, a), request.accuracies)]
-            return Offer("thing", ways, "nothing", lambda value, accuracy: Bounds(0.0, 0.0))
-
-        def run(self, accuracy: float) -> Claim:
-            """Allocate and forget."""
-            return Claim(np.zeros(2**17).sum(), None)
-
-    assert gt.price(Thing(), accuracies=[1e-3]).rows[0].memory is None
-    peak = gt.price(Thing(), accuracies=[1e-3], memory=True).rows[0].memory
+    thing = Thing(lambda: Claim(np.zeros(2**17).sum(), None))
+    assert gt.price(thing, accuracies=[1e-3]).rows[0].memory is None
+    peak = gt.price(thing, accuracies=[1e-3], memory=True).rows[0].memory
     assert peak == pytest.approx(2**20, rel=0.1)
 
 
 def test_times_are_of_the_processor(monkeypatch):
     """The fastest of repeated runs counts, and the first, which may compile, does not."""
     now, count = [0.0], [0]
-    solution = gt.solve(TOP, 1.0, 1e-6, gt.RungeKutta())
 
-    def solve(*_):
+    def run() -> Claim:
         count[0] += 1
         now[0] += 5.0 if count[0] == 1 else 0.011
-        return solution
+        return Claim(1.0, None)
 
     def clock():
         now[0] += 1e-4  # other runs take time as well
         return now[0]
 
-    monkeypatch.setattr(motions, "solve", solve)
     monkeypatch.setattr(time, "thread_time", clock)
-    table = gt.price(TOP, 1.0, [1e-6], engines=QUICK, proofs=[])
+    table = gt.price(Thing(run), accuracies=[1e-6])
     assert table.rows[0].seconds == pytest.approx(0.011, rel=0.02)
 
 

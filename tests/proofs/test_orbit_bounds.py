@@ -6,7 +6,6 @@ from dataclasses import replace
 import pytest
 from flint import arb, arb_mat, fmpq
 
-from geomtorsion.proofs import steps
 from geomtorsion.proofs.closed_orbits import _contraction, _enclosed
 from geomtorsion.proofs.sets import LOW_BITS, LohnerSet
 from geomtorsion.proofs.steps import Method, Stepper
@@ -76,10 +75,3 @@ def test_the_tail_of_a_column(order, time):
     share = t / step.outer
     tail = step.growth[0, 0] * share ** (order + 1) / (1 - share)
     assert abs(column[0] - series).upper() <= tail.upper() * arb(1.001) + arb(2) ** -40
-
-
-def test_no_tail_of_a_column_is_idle(monkeypatch):
-    """Without the tail the column is wrong."""
-    monkeypatch.setattr(steps, "variation_tail", lambda share, order: arb(0))
-    (column,) = column_step(2).columns(arb(1))
-    assert not column[0].contains(arb(1).exp())

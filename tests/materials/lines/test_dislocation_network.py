@@ -85,6 +85,8 @@ def test_reactions_conserve_b_and_follow_frank():
     lomer = Reaction([(F(1, 2), 0, F(1, 2)), (F(-1, 2), F(1, 2), 0)], [(0, F(1, 2), F(1, 2))])
     assert lomer.energy_change == F(-1, 2)
     assert not Reaction(SHOCKLEY, [PERFECT]).is_favourable
+    # Perpendicular vectors: b^2 stays the same.
+    assert not Reaction([(1, 1, 0)], [(1, 0, 0), (0, 1, 0)]).is_favourable
     with pytest.raises(NetworkError, match=r"\(1/2, -1/2, 0\) before"):
         Reaction([PERFECT], SHOCKLEY[:1])
     with pytest.raises(
