@@ -25,7 +25,7 @@ def _shortened(message: str) -> str:
 
 
 class GeomtorsionError(Exception):
-    """Base of every error this package raises on purpose; and its messages have a limited length.
+    """Base class of all errors of this package; their messages have a limited length.
 
     page: name of the page of the documentation (examples/site) that helps.
 

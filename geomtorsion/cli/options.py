@@ -218,7 +218,7 @@ MeasuredPixel = Annotated[
     option(
         "--pixel",
         metavar="SIZE",
-        text="Images: size of a pixel with its unit, if not that in the file: 0.03nm",
+        text="Images: size of a pixel with its unit, if the file has none or a wrong one: 0.03nm",
     ),
 ]
 MeasuredSpots = Annotated[
@@ -244,7 +244,7 @@ Workers = Annotated[
 
 # -- start of a curve -----------------------------------------------------------------------------
 
-Start = Annotated[str | None, option(metavar="Q,...", text="Coordinates at t = 0, as 0.3 or pi/2.")]
+Start = Annotated[str | None, option(metavar="Q,...", text="Coordinates at t = 0: 0.3,pi/2")]
 Velocity = Annotated[str | None, option(metavar="V,...", text="Coordinate velocities at t = 0.")]
 FrameVelocity = Annotated[
     str | None, option(metavar="U,...", text="Instead of --velocity: velocities along the legs.")
@@ -277,7 +277,8 @@ Force = Annotated[
     ),
 ]
 Potential = Annotated[
-    str | None, option(metavar="V", text='Potential of a force, as "-1/r"; t and parameters also.')
+    str | None,
+    option(metavar="V", text='Potential of a force, of coordinates, t and parameters: "-1/r".'),
 ]
 
 # -- changes to a scene ---------------------------------------------------------------------------

@@ -103,7 +103,7 @@ def graph(
 
 @dataclass(frozen=True, eq=False)
 class Graph:
-    """Values computed one after another, each once; two graphs are equal where their code is.
+    """Graph of expressions: shared values are computed once. Equal code makes equal graphs.
 
     arguments: names, in order.
     steps: values in order; values that no output needs are omitted.
@@ -283,7 +283,7 @@ class Graph:
 
     @cached_property
     def poles(self) -> Graph:
-        """Values at whose zeros an output may have no value: denominators and their kind.
+        """Values at whose zeros an output may have no value, such as denominators.
 
         Examples
         --------

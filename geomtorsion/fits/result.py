@@ -47,7 +47,7 @@ class Fit(ByContent):
     values: name -> best value.
     covariance: of the values, shape (k, k); infinite where the data do not determine a value.
     chi2: sum of the squares of the residuals.
-    degrees: of freedom, the number of data minus the number of determined parameters.
+    degrees: degrees of freedom, the number of data minus the number of determined parameters.
     residuals: quantity -> (data - model) / sigma, not a number where data are missing.
     data: the fitted data.
     undetermined: joint changes of parameters that change no prediction.
@@ -55,7 +55,7 @@ class Fit(ByContent):
         two: the errors are not standard deviations along it. None if chi^2 rises as it should.
     at_bounds: name -> bound of each value that a bound stops.
     loss: how residuals count, see `fit`; "linear" is least squares.
-    solves: how often the model was computed.
+    solves: number of computations of the model.
     source: the model at the best values, such as a `Solution` with derivatives.
     """
 

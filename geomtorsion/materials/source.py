@@ -31,7 +31,7 @@ class Backdrop:
 
 
 class Source(Protocol):
-    """Measured matter that has Burgers vectors: a grid, an orientation map, phases, points.
+    """Interface of measured data with Burgers vectors: a grid, a map, phases, points.
 
     Each source decides how it follows a loop. A sampled frame integrates its interpolated coframe
     along the loop itself. An orientation map uses the steps around the cells whose middles the

@@ -32,9 +32,9 @@ def draw_charge(
     parameters
         Numbers for the other symbols, {"M": 1}; names that a charge does not contain are skipped.
     radii
-        From where to where. Parts without a real value are left empty.
+        First and last radius. Parts without a real value are left empty.
     points
-        How many on each line.
+        Number of points on each line.
 
     Returns
     -------

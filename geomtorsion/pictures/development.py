@@ -30,15 +30,15 @@ def draw_development(
     parameters: Mapping[str | sp.Symbol, float] | None = None,
     frames: int = 12,
 ) -> Figure:
-    """A loop in coordinates, and rolled out into the frame at its base point.
+    """A loop in coordinates, and its development into the frame at its base point.
 
-    The rolled-out path does not close: the gap is the Burgers vector, and the frame that arrives
-    (orange) is turned against the one that set out (black).
+    The developed path does not close: the gap is the Burgers vector. The transported frame at its
+    end (orange) is rotated against the frame at its start (black).
 
     Parameters
     ----------
     frames
-        How many frames are drawn along the path.
+        Number of frames drawn along the path.
 
     Returns
     -------

@@ -86,7 +86,7 @@ def draw_survey(survey: Survey, layer: int | None = None) -> Figure:
 def draw_circuits(
     source: Source, vectors: Sequence[Burgers], refused: Sequence[Loop] = ()
 ) -> Figure:
-    """Circuits on their source (grains, a picture, |b| per cell), with b as arrows.
+    """Circuits on their source (grains, an image, |b| per cell), with b as arrows.
 
     In grids of three or more axes each section with circuits has its own panel. All arrows have one
     scale, set by the longest |b|, and show the part of b in the plane.

@@ -118,7 +118,7 @@ def draw_dislocations(
     positions: Mapping[Hashable, Sequence[float]] | None = None,
     plane: tuple[int, int] = (0, 1),
 ) -> Figure:
-    """Dislocation lines with sense (arrow), Burgers vector and strength (width); nodes by the rule.
+    """Dislocation lines with sense (arrow), Burgers vector and strength (width), and their nodes.
 
     Green junctions conserve b, orange ones do not and show the excess; open circles are at the
     surface.

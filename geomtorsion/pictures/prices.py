@@ -26,7 +26,7 @@ if TYPE_CHECKING:
 
 
 def draw_price(price: PriceList) -> Figure:
-    """The prices of digits, of certainty and of effects, as far as they are measured.
+    """Cost of digits, of certainty and of effects, as far as it was measured.
 
     Digits: time against true error, lower and further right is better; for measured data, error
     against spacing with the noise floor. Certainty: times of the plain run, of the run with its

@@ -15,7 +15,7 @@ if TYPE_CHECKING:
 
 
 def draw_series(series: DislocationSeries, symmetry: str = "cubic", unit: str = "") -> Figure:
-    """Density by family over time, and below it the junctions that are there, form and dissolve.
+    """Density by family over time, and below it the junctions that exist, form and dissolve.
 
     Parameters
     ----------

@@ -160,7 +160,7 @@ def save(figure: Figure, path: str | PathLike[str], dpi: int = STYLE.resolution)
     Raises
     ------
     FileFormatError
-        matplotlib cannot write it like that.
+        matplotlib does not have the format of this suffix.
     ArgumentError
         figure is not a figure of matplotlib, or path not a path.
     """

@@ -50,12 +50,12 @@ def price(
     memory: bool = False,
     progress: Callable[[float], object] | bool | None = None,
 ) -> PriceList:
-    """Cost of a result: each digit, its certainty and (of a scene) its effects.
+    """Cost of a result: time of its digits, of its certainty and of the effects of a scene.
 
     Each way to the result runs at each accuracy: plain, with its error estimate, and proved. The
     time is the fastest of repeated runs, in seconds of processor time; first runs, which may
-    compile, do not count. True errors are measured against a proof wherever `prove` reaches, so
-    that they are enclosed, and otherwise against what `truth` of the result names.
+    compile, do not count. True errors are enclosed by a proof where `prove` applies, and otherwise
+    measured against the reference that `truth` of the list names.
 
     Parameters
     ----------
@@ -66,7 +66,7 @@ def price(
     at
         times for a problem (10 by default); a loop for a frame, connection or measured data; a
         number of cells for the survey of a grid; a point for a tensor, by names or as a list of
-        all coordinates; nothing for a result or a scene, which know theirs.
+        all coordinates; omit it for a result or a scene, which have their own.
     accuracies
         relative errors to request.
     engines

@@ -67,7 +67,7 @@ class Truth:
 
 
 def truth_of(problem: CurveProblem | ODE, grid: np.ndarray, exact: States | None = None) -> Truth:
-    """A closed form if there is one, else quadruple precision, else the finest Runge-Kutta.
+    """Reference for a motion: its closed form, quadruple precision, or the finest Runge-Kutta.
 
     grid: times from 0 on; exact: the closed form, where the problem does not know it itself.
     """
@@ -134,7 +134,7 @@ def motion_offer(
     more: Sequence[Way] = (),
     solved: Callable[[Engine, float], offers.Run] | None = None,
 ) -> Offer:
-    """The price of a motion.
+    """Ways to a motion, with the reference for their true errors, for `price`.
 
     request.at: last time, or times. more: further ways. solved: (engine, accuracy) -> run with an
     error estimate, by default `solve`.

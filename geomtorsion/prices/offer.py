@@ -17,14 +17,14 @@ PROOFS = (10, 30)
 
 
 class Claim(NamedTuple):
-    """One run: its value, and the relative error that it claims; None: no claim."""
+    """Value of a run, and the relative error that it claims; None: no claim."""
 
     value: Any
     error: float | None
 
 
 class Bounds(NamedTuple):
-    """The true error is between these two."""
+    """Lower and upper bound of a true error."""
 
     low: float
     high: float
@@ -38,7 +38,7 @@ class Way:
     """One way to a result.
 
     name: of the way. certainty: "plain", "estimate" or "proof".
-    ready: accuracy -> the run, with everything prepared that the way itself does not need.
+    ready: accuracy -> function that makes the run; preparation is not part of the run.
     accuracies: in the order of rising cost.
     engine: name of its engine or rule, the same for each certainty; the name of the way if empty.
     """
@@ -108,7 +108,7 @@ def at(request: Request, place: Any) -> Request:
 
 @runtime_checkable
 class HasPrice(Protocol):
-    """A thing that makes its own offer, such as a scene."""
+    """Interface of an object with its own offer for `price`, such as a scene."""
 
     def offer(self, request: Request, /) -> Offer:
         """The ways to its result."""

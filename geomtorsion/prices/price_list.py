@@ -22,7 +22,7 @@ HEAD = ("way", "requested", "claimed", "true", "claimed/true", "time", "spread",
 
 @dataclass(frozen=True)
 class PriceRow:
-    """One way at one accuracy.
+    """Measured cost and error of one way at one accuracy.
 
     way: name of the row: an engine, a rule or a proof. certainty: "plain", "estimate" or "proof".
     requested: accuracy (or spacing of a grid). claimed: relative error that the run claims.
@@ -194,8 +194,8 @@ class PriceList:
         Raises
         ------
         AccuracyError
-            accuracy is not a positive number, or finer than the finest row: nobody knows whether
-            it can be reached.
+            accuracy is not a positive number, or finer than the finest row, beyond which nothing
+            was measured.
         """
         size = checks.positive(accuracy, "accuracy", AccuracyError)
         model = self.model(way)

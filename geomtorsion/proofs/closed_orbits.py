@@ -71,9 +71,8 @@ def closed_orbit(
         Expression (or When) that vanishes at the start, which chooses one point of the orbit; a
         list of several. None: the plane through `near` across the motion.
     symmetry
-        States that change their sign where the motion is reversed in time, or state -> value of
-        its mirror. The orbit starts on the mirror and returns to it after half a period; only this
-        half is computed.
+        States that change sign under time reversal, or state -> value of its mirror. The orbit
+        starts on the mirror and returns to it after half a period; only this half is computed.
     conserved
         Names of invariants, or expressions, which keep the value that they have at `near`; or
         expression -> value. Closed orbits come in families where something is conserved: each such
@@ -82,7 +81,7 @@ def closed_orbit(
         State -> number by which it grows in one period, such as 2*pi for an angle; None for a state
         that need not return because no rate depends on it.
     digits
-        How many digits of the start and the period, from 1 to 1000.
+        Number of digits of the start and the period, from 1 to 1000.
 
     Raises
     ------

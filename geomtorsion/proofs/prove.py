@@ -256,7 +256,7 @@ def prove(
     """Prove a result: balls that contain the true value, and whether its error holds.
 
     The numbers are computed again by ball arithmetic (FLINT) from the exact expressions, by routes
-    that share nothing with the computation of the result. It takes 2 to 3,000 times as long.
+    that share nothing with the computation of the result. This takes much longer.
 
     Parameters
     ----------

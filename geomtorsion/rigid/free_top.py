@@ -170,7 +170,7 @@ class FreeTop:
         return later if math.isfinite(later) else math.nan
 
     def omega(self, times: ArrayLike) -> NDArray[Any]:
-        """Body-fixed angular velocity; times of any shape, one more axis of length 3 out.
+        """Body-fixed angular velocity, radians per time, shape (..., 3) for times of shape (...).
 
         Equation
         --------

@@ -28,7 +28,7 @@ if TYPE_CHECKING:
 class Magnitude:
     """Influence of an effect that a scene does not have.
 
-    effect: with its numbers.
+    effect: the effect, with its numbers.
     changes: watched quantity -> largest change at the reported times if it is added, relative to
         the largest size of the quantity; infinite if the quantity is zero without it.
     formula, assumption: how its numbers follow from body and surroundings, and when.
@@ -66,8 +66,8 @@ class Magnitude:
 class Magnitudes:
     """Influence of the shipped effects that a scene does not have; the scene stays unchanged.
 
-    scene: as it is.
-    surroundings: from which the numbers follow.
+    scene: the unchanged scene.
+    surroundings: air and gravity, from which the numbers follow.
     rows: the effects whose numbers follow, the largest influence first.
     devices: keys of the effects that a user has to describe, such as springs and engines.
     error: of the compared runs, relative: smaller influences are not resolved.

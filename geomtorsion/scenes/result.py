@@ -82,7 +82,7 @@ class SceneResult:
     selection: included and omitted states; a text in a loaded result.
     closed_form: name of the closed form that was used, or None.
     solved: the solution of the equations; None where the closed form was used.
-    form: that closed form.
+    form: the closed form, or None.
 
     Examples
     --------
@@ -189,7 +189,7 @@ class SceneResult:
     def solution(self) -> Solution:
         """The solution of the equations: single states, dense output, zeros.
 
-        It is integrated now where the closed form was used.
+        If the closed form was used, the equations are integrated at the first access.
 
         Raises
         ------
@@ -300,7 +300,7 @@ class SceneResult:
         Raises
         ------
         FileFormatError
-            the file cannot be read, or is something else.
+            the file cannot be read, or is not a result of a scene.
         """
         message = "{path}: this is not a saved result of a scene ({reason}). " + ADVICE
         arrays = read_npz(path, ARRAYS, message=message)

@@ -324,7 +324,7 @@ class Scene:
 
         A free body is solved in closed form; over its first turns each value is compared with an
         integration from the value before. Where they differ the motion is integrated, and `reason`
-        names the difference. An engine that is named is used.
+        names the difference. With an engine the motion is always integrated.
 
         Parameters
         ----------
@@ -336,7 +336,7 @@ class Scene:
         Raises
         ------
         AccuracyError
-            the accuracy is not to be had.
+            the accuracy cannot be reached.
         StartError
             the start lacks something that the selection needs.
         StuckError
@@ -355,7 +355,7 @@ class Scene:
         engine: Engine | None = None,
         progress: Callable[[float], object] | bool | None = None,
     ) -> EffectBudget:
-        """The smallest set of effects for an accuracy: omission and integration stay within it.
+        """Smallest set of effects whose errors of omission and integration stay within an accuracy.
 
         The same as `gt.called_for(scene, accuracy)`, which describes the choice.
 
@@ -374,7 +374,7 @@ class Scene:
         Raises
         ------
         AccuracyError
-            the accuracy is not to be had.
+            the accuracy cannot be reached.
         StartError, StuckError
             as for `run`, of the scene with all effects.
 
@@ -391,14 +391,14 @@ class Scene:
         return called_for(self, accuracy, engine=engine, progress=progress)
 
     def composite(self, watch: Sequence[str] | None = None) -> SceneEffects:
-        """Its effects, its runs without some of them and the watched quantities, for `called_for`.
+        """Effects, runs without some of them and watched quantities, for `gt.called_for`.
 
-        watch: other quantities.
+        watch: quantities instead of the watched ones of the scene.
         """
         return SceneEffects(self if watch is None else replace(self, watch=watch))
 
     def offer(self, request: Request) -> Offer:
-        """The ways to the motion at an accuracy, and what each effect costs, for `gt.price`."""
+        """Ways to the motion at an accuracy, and the cost of each effect, for `gt.price`."""
 
         def effects() -> list[tuple[str, float]]:
             return [(row.effect, row.run_seconds) for row in self.cost().rows if not row.note]
@@ -406,7 +406,7 @@ class Scene:
         return replace(scene_offer(self, request), effects=effects)
 
     def magnitudes(self, surroundings: Surroundings | None = None) -> Magnitudes:
-        """How much the shipped effects that the scene does not have would change it.
+        """Influence of each shipped effect that the scene does not have.
 
         Each effect whose numbers follow from the body and its surroundings (gravity, drag, the
         tide of an orbit) is added once; the change of the watched quantities is its influence.

@@ -89,7 +89,7 @@ class SelectionRow:
 
 @dataclass(frozen=True, eq=False)
 class StateSelection:
-    """The states that a scene solves: its outputs, and the states that they need.
+    """States that a scene integrates: those that its outputs and effects need.
 
     title: of the scene.
     assembly: all equations, before the selection.
@@ -230,7 +230,7 @@ class StateSelection:
 
     @cached_property
     def effects(self) -> tuple[str, ...]:
-        """Keys of the effects that take part."""
+        """Keys of the included effects."""
         solved = {*self.states, *(s.name for s in self.constants)}
         provided = {item.name for item in self.watch}
         keys = []

@@ -18,7 +18,7 @@ from geomtorsion.support.displays import short_repr
 
 @dataclass(frozen=True)
 class State:
-    """The start of a motion. The attitude is given in one way, or not at all.
+    """Initial state of a body; the attitude is given in at most one form.
 
     omega: angular velocity in body axes, rad/s.
     euler: three angles, rad; by default the paper's (phi1, phi2, phi3), z-y-z,
@@ -33,9 +33,9 @@ class State:
     Raises
     ------
     StartError
-        a number is not finite, there are too few or too many, or the attitude is none.
+        a number is not finite, there are too few or too many, or the attitude is not a rotation.
     UnknownNameError
-        no convention is called so.
+        no convention has this name.
 
     Examples
     --------

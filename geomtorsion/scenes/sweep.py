@@ -46,7 +46,7 @@ class SceneSweep:
 
     title: of the scene.
     varied: path -> values, in the order of the axes; shape (n,), or (n, 3) for whole vectors.
-    measured: name -> array with an axis for each path (one axis in all, if they go together).
+    measured: name -> array with an axis for each path (a single axis with `together`).
     accuracy: requested; engine: the solver; seconds: total time.
     errors: estimate of the error of each motion, in the shape of the measures; nan where it does
         not reach its end.
@@ -103,7 +103,7 @@ class SceneSweep:
         return pandas_table(self.columns())
 
     def to_csv(self, path: str | Path) -> None:
-        """Write the table, every digit kept."""
+        """Write the table as CSV with all digits."""
         write_csv(checks.file_name(path), self.columns())
 
     def plot(
@@ -121,7 +121,7 @@ class SceneSweep:
         SceneError
             more than two things were varied.
         UnknownNameError
-            no measure is called so.
+            no measure has this name.
         MissingExtraError
             matplotlib is not installed.
         """
@@ -410,7 +410,7 @@ def _in_batches(
         try:
             solved = solve_many(ode, starts, times, first.accuracy, engine, progress=False)
         except (AccuracyError, StartError) as error:
-            # One by one there are more digits to be had, and an error names the one that fails.
+            # Single motions reach more digits, and an error names the motion that fails.
             solved = getattr(error, "ensemble", None)
             if solved is None:
                 _one_by_one(scene, some, engine, found)

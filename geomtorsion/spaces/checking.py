@@ -42,7 +42,7 @@ def disagreements(space: Space, answer: KnownAnswer) -> tuple[Disagreement, ...]
     Raises
     ------
     UnknownNameError
-        The quantity has no such name, or needs a connection that the space does not carry.
+        No quantity has this name, or it needs a connection that the space does not have.
 
     Examples
     --------
@@ -74,7 +74,7 @@ def computed(space: Space, answer: KnownAnswer) -> Tensor:
     Raises
     ------
     UnknownNameError
-        The quantity has no such name, or needs a connection that the space does not carry.
+        No quantity has this name, or it needs a connection that the space does not have.
 
     Examples
     --------

@@ -26,7 +26,7 @@ from geomtorsion.support.copies import ByContent
 
 @dataclass(frozen=True, eq=False, repr=False)
 class Identified(ByContent):
-    """A shipped space that a frame is.
+    """Shipped space that a frame describes.
 
     name, title, source: of the space.
     parameters: values of its parameters by name, with parameters of the frame; 0 is a limit of the
@@ -96,7 +96,7 @@ class Identification(ByContent):
 
 
 def identify(frame: FrameLike, keep: str = "metric", *, every: bool = False) -> Identification:
-    """Properties of a frame, and the shipped space that it is, with values of its parameters.
+    """Properties of a frame, and the shipped space that it describes, with its parameters.
 
     Dimension, signature, constant curvature, Ricci and Weyl tensor, torsion, the number of
     symmetries and the Petrov type are compared first. Where they agree, values of parameters are

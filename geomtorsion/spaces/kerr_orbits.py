@@ -108,10 +108,11 @@ class KerrOrbit:
 
     @cached_property
     def deflection(self) -> float:
-        """Angle by which the hole turns the direction of a scattering orbit, in radians.
+        """Deflection angle of a scattering orbit, in radians.
 
-        It is the change of phi on the whole way less half a turn, against the spin with the sign of
-        the orbit.
+        Equation
+        --------
+        |Delta phi| - pi over the whole orbit; with a minus sign if x < 0, against the spin
 
         Raises
         ------

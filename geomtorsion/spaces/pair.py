@@ -156,7 +156,7 @@ def solve_pair(
     samples: int = 401,
     progress: Callable[[float, str], object] | None = None,
 ) -> Pair:
-    """Solve both motions; missing values are chosen, and `chosen` lists them.
+    """Autoparallel and geodesic from one start; `Pair.chosen` lists missing values, chosen here.
 
     Parameters
     ----------
@@ -172,13 +172,13 @@ def solve_pair(
     force, potential
         on both motions, as in `autoparallel`.
     progress
-        called with the part that is done, from 0 to 1, and the name of the motion being solved.
+        called with the finished fraction, from 0 to 1, and the name of the motion being solved.
 
     Raises
     ------
     GeomtorsionError
-        the motion cannot begin like this, or not be solved so accurately. A motion that leaves its
-        chart is not an error: the part before the end is kept.
+        the motion cannot start, or the accuracy cannot be reached. A motion that leaves its chart
+        is not an error: the part before the end is kept.
 
     Examples
     --------
@@ -222,7 +222,7 @@ def pair_problems(
     force: object = None,
     potential: object = None,
 ) -> tuple[dict[str, CurveProblem], tuple[str, ...], float]:
-    """Both problems by name, the names of chosen values, and the last time.
+    """Problems of the autoparallel and the geodesic, names of chosen values, and the last time.
 
     Examples
     --------
@@ -264,7 +264,7 @@ def pair_problems(
 
 
 def refuse_unknown_functions(space: Space) -> None:
-    """A motion needs numbers: a frame that contains an unknown function has none."""
+    """Refuse a space whose frame contains an unknown function: a motion needs numbers."""
     tensors = [space.frame.coframe]
     if space.connection is not None:
         tensors.append(space.connection.coefficients)

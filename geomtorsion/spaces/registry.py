@@ -131,7 +131,7 @@ def names() -> tuple[str, ...]:
 
 
 def titles() -> dict[str, str]:
-    """Name -> what the space is, in one line; imports none of them.
+    """Name -> one-line title of each shipped space; imports none of them.
 
     Examples
     --------

@@ -113,7 +113,7 @@ class Space(ByContent):
     known
         Closed forms that the tests check by exact equality.
     group
-        Shelf on which `geomtorsion spaces` lists it.
+        Heading under which `geomtorsion spaces` lists it.
     notes
         What a user must know before trusting it: multivalued forms, branches, edges.
     connection

@@ -71,7 +71,7 @@ def read_file(path: str | PathLike[str]) -> Space:
         List of signs, or a constant symmetric matrix; plus signs by default.
     names
         Table name -> quantity that is printed by this name: ``Sigma = "r**2 + a**2"``; a quantity
-        may hold names above it (see `Frame.named`).
+        may contain the names before it (see `Frame.named`).
     complex
         true if legs may be complex.
     spin_connection, contortion, connection
@@ -83,8 +83,8 @@ def read_file(path: str | PathLike[str]) -> Space:
         ``["cos(theta)*dy - sin(theta)*dx"]``. The kinetic energy is g(v, v)/2; see `constrained`
         for the frame and the connection.
     edge, margin
-        An expression that is positive inside the coordinates, and the value below which motions
-        move over to another chart.
+        An expression that is positive inside the chart, and the value below which motions change
+        to another chart.
     charts
         Tables of further charts, [[charts]]: name, coordinates, coframe (of the same metric),
         from_home (its coordinates as functions of the home ones), to_home (the inverse map); angles

@@ -112,11 +112,11 @@ def limits(*, seconds: float | None = None, megabytes: float | None = None) -> L
     the block. A limit raises or does nothing; answers never depend on it. Finished quantities
     are kept, so that the same call with larger limits continues from there.
 
-    The limits are looked at between the operations of exact work. A single call of python-flint or
-    sympy ends before they are: products are bounded beforehand (`geomtorsion.exact.limits`), long
+    The limits are checked between exact operations. A single call of python-flint or sympy is not
+    interrupted: the size of products is bounded beforehand (`geomtorsion.exact.limits`), and long
     factorings run in a process of their own, which is ended in time. Work outside this package is
-    not limited. The options --seconds and --megabytes of a command bound all of its work, since
-    its process is ended.
+    not limited. The options --seconds and --megabytes of a command bound all of its work, because
+    they end its process.
 
     Parameters
     ----------

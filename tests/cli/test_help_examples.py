@@ -1,4 +1,4 @@
-"""Examples of help texts: each is a valid command line, and those without files of a user run."""
+"""Examples of help texts and pages: each is a valid command line; those without own files run."""
 
 import re
 import shlex
@@ -33,11 +33,16 @@ def commands(group: Any, context: Any, name: str = "") -> Iterator[tuple[str, An
             yield from commands(command, inner, path)
 
 
-def examples() -> dict[str, Any]:
-    """Line of each example -> the command that it names."""
+def all_commands() -> dict[str, Any]:
+    """Name of each command -> its parser."""
     group: Any = typer.main.get_command(app)
     context = group.make_context("geomtorsion", [], resilient_parsing=True)
-    table = dict(commands(group, context))
+    return dict(commands(group, context))
+
+
+def examples() -> dict[str, Any]:
+    """Line of each example -> the command that it names."""
+    table = all_commands()
     found = {}
     for command in table.values():
         text = (command.help or "").partition("Example")[2].replace("\\\n", " ")
@@ -52,9 +57,10 @@ EXAMPLES = examples()
 
 
 def test_examples_are_found() -> None:
-    """More than a hundred lines, at least one for each command."""
+    """More than a hundred lines, at least one for each command, each on a line of its own."""
     assert len(EXAMPLES) > 100
-    assert len({name.split()[0] for name, _ in EXAMPLES.values()}) > 30
+    assert {name for name, _ in EXAMPLES.values()} == set(all_commands())
+    assert not [name for name, one in all_commands().items() if "\\b" in (one.help or "")]
 
 
 @pytest.mark.parametrize("line", EXAMPLES)
@@ -64,6 +70,37 @@ def test_an_example_is_a_valid_command_line(line: str) -> None:
     words = shlex.split(line)[len(name.split()) :]
     if not hasattr(command, "list_commands"):
         assert command.make_context(name, words).info_name == name
+
+
+ROOT = Path(__file__).parent.parent.parent
+PAGES = (ROOT / "README.md", *sorted((ROOT / "examples").rglob("*.md")))
+
+
+def page_lines(page: Path) -> list[str]:
+    """Command lines of a page: in code blocks, and in text between backticks."""
+    text = page.read_text("utf-8").replace("\\\n", " ")
+    blocks = "".join(re.findall(r"^```.*?^```", text, re.MULTILINE | re.DOTALL))
+    lines = re.findall(r"^(?:\$ |!\S+ -m )?geomtorsion +(.*)$", blocks, re.MULTILINE)
+    return [*lines, *(" ".join(x.split()) for x in re.findall(r"`geomtorsion\s+([^`]+)`", text))]
+
+
+LINES = sorted({line for page in PAGES for line in page_lines(page)})
+
+
+@pytest.mark.parametrize("line", LINES)
+def test_a_command_line_of_a_page_is_valid(line: str) -> None:
+    """The command exists, its options exist, and their values are of their kinds."""
+    assert len(LINES) > 100
+    table = all_commands()
+    words = shlex.split(re.split(r"\s[#|>]", line)[0])
+    if words[0].startswith("-") or words[0] == "COMMAND":
+        return
+    name = " ".join(words[:2]) if " ".join(words[:2]) in table else words[0]
+    rest = words[len(name.split()) :]
+    assert name in table
+    # Some sentences only name a command.
+    if rest and not hasattr(table[name], "list_commands"):
+        assert table[name].make_context(name, rest).info_name == name
 
 
 @pytest.fixture

@@ -32,7 +32,7 @@ def charge(
     ] = "komar",
     killing: Annotated[
         str | None,
-        option("--killing", metavar="NAME", text="Coordinate along which nothing changes."),
+        option("--killing", metavar="NAME", text="Coordinate on which the metric does not depend."),
     ] = None,
     lagrangian: LagrangianOption = None,
     values: Annotated[
@@ -44,16 +44,24 @@ def charge(
         option("--at", metavar="NAME=VALUE", text="Value of time or radius. May be repeated."),
     ] = None,
     vary: Annotated[
-        str | None, option("--vary", metavar="NAME", text="Parameter of kind varied.")
+        str | None,
+        option("--vary", metavar="NAME", text="For kind varied: the parameter that changes."),
     ] = None,
     reference: Annotated[
         list[str] | None,
-        option("--reference", metavar="NAME=VALUE", text="Flat space, of kind adm."),
+        option(
+            "--reference",
+            metavar="NAME=VALUE",
+            text="For kinds adm and teleparallel: a value that makes the space flat, such as M=0. "
+            "May be repeated.",
+        ),
     ] = None,
-    leg: Annotated[int, typer.Option(metavar="N", help="Leg of kind teleparallel.")] = 0,
+    leg: Annotated[
+        int, typer.Option(metavar="N", help="For kind teleparallel: number of the leg, from 0.")
+    ] = 0,
     potential: Annotated[
         str | None,
-        option("--potential", metavar="A,A,...", text="Potential of kind electric."),
+        option("--potential", metavar="A,A,...", text="For kind electric: components of A."),
     ] = None,
     form: Shown = Form.text,
     output: Annotated[
@@ -64,7 +72,7 @@ def charge(
     """Compute the mass, spin or charge inside a surface, or the horizons of a hole.
 
     The surface is where the first two coordinates are constant. Without --at and --set the result
-    is a formula. -L is L(T) of kind teleparallel, and L(R) of noether and horizons.
+    is a formula. -L is a function L(T) for kind teleparallel, and L(R) for noether and horizons.
 
     \b
     Examples:

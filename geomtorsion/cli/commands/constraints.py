@@ -37,9 +37,10 @@ def constraints(
     """Check whether initial data on a grid satisfy the constraints of gravity.
 
     The file holds metric and extrinsic_curvature of shape (3, 3, N, N, N), axis_x, axis_y, axis_z,
-    and optionally density, momentum, mask and unit. Errors come from twice the step.
+    and optionally density, momentum, mask and unit. Errors are estimated from a grid of twice the
+    step.
 
-    \\b
+    \b
     Examples:
       geomtorsion constraints slice.npz
       geomtorsion constraints slice.h5 --order 6 -o out

@@ -70,8 +70,8 @@ def curve(
     """Follow the straightest and the shortest path from one start.
 
     The straightest path is the autoparallel of the connection (of the space, or the Cartan
-    connection of its frame), the shortest is the geodesic of the metric. Values that are not given
-    are chosen, and marked so. The command ends with 1 if a motion leaves its chart before the last
+    connection of its frame), the shortest is the geodesic of the metric. Missing values are chosen,
+    and the output marks them. The command ends with 1 if a motion leaves its chart before the last
     time; the computed part is still shown and written.
 
     \b

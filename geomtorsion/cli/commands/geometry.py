@@ -39,8 +39,8 @@ def geometry(
         Format,
         typer.Option(
             "--format",
-            help="text to read, latex to print, json for programs, python for NumPy functions, "
-            "mathematica for Wolfram's language.",
+            help="text to read, latex to print, json for programs (--json for short), python for "
+            "NumPy functions, mathematica for Wolfram's language.",
         ),
     ] = Format.text,
     basis: BasisOption = Basis.natural,

@@ -1,4 +1,4 @@
-"""identify: the shipped space that a tetrad is, in other coordinates."""
+"""identify: the shipped space that a tetrad describes in other coordinates."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ def identify(
         bool, typer.Option("--every", help="All spaces that are the same, not only the first.")
     ] = False,
 ) -> None:
-    """Find the shipped space that a tetrad is, in other coordinates.
+    """Find the shipped space that a tetrad describes in other coordinates.
 
     Prints the space with the values of its parameters, and properties such as flat, vacuum or
     constant curvature. A tetrad without domain is read in one region, which is printed. The command

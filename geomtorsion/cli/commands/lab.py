@@ -54,7 +54,7 @@ def lab(
     language: Language = ENGLISH,
     chapter: ChapterFolder = None,
 ) -> None:
-    """Play with tetrads, loops, curves, tops and exercises in a browser.
+    """Serve the classroom page: tetrads, loops, curves, tops and exercises in a browser.
 
     By default only this machine can open the page. With --host 0.0.0.0 every machine of the network
     can: the command prints the address, a short code and a QR code. The page loads nothing from the

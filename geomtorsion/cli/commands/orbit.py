@@ -50,7 +50,8 @@ def orbit(
         option(
             "--section",
             metavar="EXPR",
-            text="Vanishes at the start; may be repeated. Default: the plane across the motion.",
+            text="Expression that vanishes at the start; may be repeated. Default: a plane across "
+            "the motion.",
         ),
     ] = None,
     symmetry: Annotated[
@@ -58,7 +59,7 @@ def orbit(
         option(
             "--symmetry",
             metavar="NAME,...|NAME=X,...",
-            text="States that change their sign where the motion is reversed in time.",
+            text="States that change sign under time reversal, or their mirror values.",
         ),
     ] = None,
     conserved: Annotated[
@@ -74,7 +75,7 @@ def orbit(
         option(
             "--shift",
             metavar="NAME=X,...",
-            text="How much a state grows in one period, as phi=2*pi; `NAME=free` if it need not "
+            text="Increase of a state in one period, such as phi=2*pi; `NAME=free` if it need not "
             "return.",
         ),
     ] = None,

@@ -4,13 +4,11 @@ from __future__ import annotations
 
 import json
 from dataclasses import asdict
-from typing import Annotated
 
 import typer
 
-from geomtorsion.errors import UnknownNameError
+from geomtorsion.cli.options import Form, Shown
 from geomtorsion.paper import statements
-from geomtorsion.support.checks import shown
 
 TITLE = (
     "P. Fiziev, H. Kleinert, FUB-HEP/94-5 (1994), equations (1) to (27), each recomputed\n"
@@ -20,9 +18,7 @@ TITLE = (
 
 
 def paper(
-    format: Annotated[
-        str, typer.Option("--format", metavar="FORMAT", help="text or json.")
-    ] = "text",
+    form: Shown = Form.text,
 ) -> None:
     """Recompute the equations of Fiziev and Kleinert (1994).
 
@@ -34,10 +30,8 @@ def paper(
       geomtorsion paper
       geomtorsion paper --format json
     """
-    if format not in ("text", "json"):
-        raise UnknownNameError(f"--format: expected text or json, got {shown(format)}.")
     claims = statements()
-    if format == "json":
+    if form is Form.json:
         typer.echo(json.dumps([asdict(statement) for statement in claims], indent=2))
         return
     typer.echo(f"{TITLE}\n")

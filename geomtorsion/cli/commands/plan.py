@@ -29,7 +29,9 @@ def plan(
     ] = False,
     lacking: Annotated[
         bool,
-        typer.Option("--lacking", help="Show how much effects that a scene lacks would change it."),
+        typer.Option(
+            "--lacking", help="Show how much each effect that is not in the scene would change it."
+        ),
     ] = False,
     output: Annotated[
         Path | None,

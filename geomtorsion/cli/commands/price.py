@@ -1,4 +1,4 @@
-"""price: what digits and certainty cost, of a motion, a loop, a scene or measured data."""
+"""price: the cost of digits and certainty for a motion, a loop, a scene or measured data."""
 
 from __future__ import annotations
 
@@ -95,7 +95,7 @@ def price(
     pictures: Pictures = PictureFormat.png,
     form: Shown = Form.text,
 ) -> None:
-    """Measure what digits and certainty cost, of a motion, a loop or a scene.
+    """Measure the cost of digits and certainty for a motion, a loop or a scene.
 
     True errors are measured against a proof wherever one is possible. Times are measured on this
     machine, in seconds of processor time.

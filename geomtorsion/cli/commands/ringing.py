@@ -1,4 +1,4 @@
-"""ringing: the frequencies with which a static black hole rings."""
+"""ringing: the quasinormal frequencies of a static black hole."""
 
 from __future__ import annotations
 
@@ -27,10 +27,10 @@ def ringing(
     source: SpaceOrFile,
     lagrangian: LagrangianOption = None,
     harmonic: Annotated[
-        int, typer.Option("-l", "--harmonic", metavar="L", help="Number of the spherical harmonic.")
+        int, typer.Option("-l", "--harmonic", metavar="L", help="Degree of the spherical harmonic.")
     ] = 2,
     parity: Annotated[str, typer.Option(metavar="NAME", help="axial, polar or both.")] = "both",
-    modes: Annotated[int, typer.Option(metavar="N", help="Modes of each parity.")] = 1,
+    modes: Annotated[int, typer.Option(metavar="N", help="Number of modes of each parity.")] = 1,
     digits: Annotated[int, typer.Option(metavar="N", help="Digits of each frequency.")] = 8,
     values: Annotated[
         list[str] | None,
@@ -53,7 +53,7 @@ def ringing(
         directory("Directory for ringing.json and ringing.png, created if missing."),
     ] = None,
 ) -> None:
-    """Compute the frequencies with which a static black hole rings.
+    """Compute the quasinormal frequencies at which a static black hole rings.
 
     Without -L the theory is general relativity, L = R. The Lagrangian of a scalar field, -X/2, or
     of a Maxwell field, -F2/4, is a test field on the hole. --maxwell is the potential of a charged

@@ -24,7 +24,7 @@ def shadow(
     source: SpaceOrFile,
     camera: Annotated[
         str | None,
-        option("--camera", metavar="Q,...", text="Coordinates of the camera, as 0,30,pi/2,0."),
+        option("--camera", metavar="Q,...", text="Coordinates of the camera, such as 0,30,pi/2,0."),
     ] = None,
     parameters: Parameters = None,
     dark: Annotated[
@@ -32,7 +32,7 @@ def shadow(
         option(
             "--dark",
             metavar="EXPR",
-            text='A ray is captured where this falls through zero, as "r - 2.001*M"; may be '
+            text='A ray is captured where this falls through zero, such as "r - 2.001*M"; may be '
             "repeated. Default: near the edges of the domain.",
         ),
     ] = None,
@@ -41,7 +41,7 @@ def shadow(
         option(
             "--sky",
             metavar="EXPR",
-            text='A ray escapes where this falls through zero, as "60 - r"; may be repeated.',
+            text='A ray escapes where this falls through zero, such as "60 - r"; may be repeated.',
         ),
     ] = None,
     light: Annotated[str, typer.Option(metavar="NAME", help="geodesic or autoparallel.")] = (
@@ -57,7 +57,7 @@ def shadow(
         int, typer.Option(metavar="N", help="Pixels along each side of the image; 0: no image.")
     ] = 128,
     field: Annotated[
-        float | None, option("--field", metavar="X", text="Angle that the image is wide, in rad.")
+        float | None, option("--field", metavar="X", text="Width of the image, in radians.")
     ] = None,
     form: Shown = Form.text,
     output: Annotated[
@@ -67,9 +67,9 @@ def shadow(
 ) -> None:
     """Compute the shadow of a black hole in the light that reaches a camera.
 
-    The legs of the tetrad carry the camera. Its rays are followed back until they are captured or
-    escape. The first motion of the space supplies a missing camera and missing parameters. The
-    image is computed only with -o.
+    The camera is at rest in the legs of the tetrad. Its rays are followed back until they are
+    captured or escape. The first motion of the space supplies a missing camera and missing
+    parameters. The image is computed only with -o.
 
     \b
     Examples:

@@ -10,7 +10,7 @@ from geomtorsion.spaces import titles
 def spaces() -> None:
     """List the shipped spaces.
 
-    Each name can be given wherever a command expects SPACE|FILE.
+    Each name is valid where a command expects SPACE|FILE.
 
     \b
     Example:

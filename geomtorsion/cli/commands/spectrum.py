@@ -42,7 +42,7 @@ def spectrum(
     invariant: InvariantOption = None,
     scalars: ScalarNames = "",
     vectors: Annotated[
-        int, typer.Option(metavar="N", help="How many vector fields A, with F2 and A_a.")
+        int, typer.Option(metavar="N", help="Number of vector fields A, with F2 and A_a.")
     ] = 0,
     values: Couplings = None,
     form: Shown = Form.text,

@@ -64,17 +64,21 @@ def stress(
     ],
     nodes: Annotated[
         str | None,
-        option(metavar="N[,N,N]", text="Networks: nodes along the longest or each edge; 64."),
+        option(
+            metavar="N[,N,N]",
+            text="Networks: nodes along the longest edge, or along each edge; default: 64.",
+        ),
     ] = None,
     core: Annotated[
         float | None,
         option(metavar="X", text="Width of the Gaussian core; default: two steps for lines."),
     ] = None,
     gauge: Annotated[
-        float, typer.Option(metavar="X", help="Length of the gauge theory of dislocations.")
+        float, typer.Option(metavar="X", help="Length scale of the gauge theory of dislocations.")
     ] = 0.0,
     balance: Annotated[
-        bool, typer.Option("--balance", help="Spread a net b through the cell evenly.")
+        bool,
+        typer.Option("--balance", help="Compensate a net b by a uniform density in the cell."),
     ] = False,
     padding: Annotated[
         int | None,
@@ -99,7 +103,7 @@ def stress(
         directory("Directory for stress.json, stress.vtk and stress.png, created if missing."),
     ] = None,
 ) -> None:
-    """Compute the stress that belongs to dislocation lines or to a measured torsion.
+    """Compute the stress of dislocation lines or of a measured torsion.
 
     It is the stress of least elastic energy. The source is a dislocation network in a periodic box,
     or a measured field: a coframe on a grid, or an .npz file with a Nye tensor. stress.json holds

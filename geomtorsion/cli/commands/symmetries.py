@@ -33,15 +33,15 @@ def symmetries(
         typer.Option(
             "--connection",
             "-c",
-            help="The connection that is kept with the metric; own: of the space, or Cartan if it "
-            "has none.",
+            help="Connection that the symmetries preserve besides the metric; own: of the space, "
+            "or Cartan if it has none.",
         ),
     ] = Over.levi_civita,
     keep: Annotated[
         Keep,
         typer.Option(
-            help="homothetic: the metric up to a constant factor; conformal: up to a function; "
-            "both for the Levi-Civita connection only.",
+            help="metric: isometries. homothetic: the metric changes by a constant factor. "
+            "conformal: by a function. The last two need the Levi-Civita connection.",
         ),
     ] = Keep.metric,
     form: Shown = Form.text,
@@ -50,8 +50,8 @@ def symmetries(
 
     The number of symmetries and the algebra are exact. X_0, X_1, ... are the vectors in their
     order, or a basis at one point if some vectors have no closed form. In JSON the structure
-    constants have the keys i,j,k of [X_i, X_j] = C X_k. The holonomy algebra contains the
-    rotations by which loops turn vectors.
+    constants have the keys i,j,k of [X_i, X_j] = C X_k. The holonomy algebra generates the
+    rotations of vectors by parallel transport around loops.
 
     \b
     Examples:

@@ -151,7 +151,7 @@ class Crystal(InFrame):
 
     @property
     def frame(self) -> Frame:
-        """Lattice, orientation and lattice constant together; in a polycrystal those in grain 0."""
+        """Lattice, orientation and lattice constant together; of grain 0 in a polycrystal."""
         return self._recognized[0]
 
     @property
@@ -298,7 +298,7 @@ class Crystal(InFrame):
         return grains if self._before is None else self._before.followed(grains)
 
     def following(self, before: Crystal | KnownGrains) -> Crystal:
-        """The same atoms as the next frame of a trajectory.
+        """The crystal as the next frame of a trajectory, with the grain numbers of the last one.
 
         Grains that hold the same atoms, by their order, as in the frame before keep their numbers
         and axes, so that Burgers vectors of their lines along these axes are the same in time. In

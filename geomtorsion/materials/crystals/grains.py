@@ -45,7 +45,7 @@ class Grain(InFrame):
 
 @dataclass(frozen=True, eq=False, repr=False)
 class Wall:
-    """A wall between two grains: a grain boundary, or one between two phases.
+    """Wall between two grains: a grain boundary, or a phase boundary.
 
     grains: their numbers, ascending. atoms: numbers of atoms that belong to neither, shape (n,).
     angle: of the misorientation, the least of all symmetric equivalents, rad; None between

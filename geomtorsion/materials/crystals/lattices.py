@@ -19,14 +19,14 @@ _SIDE = np.array([1.0, np.sqrt(2) - 1, np.sqrt(3) - np.sqrt(2)])
 
 @dataclass(frozen=True)
 class Lattice:
-    """A lattice as a rectangular cell with more than one point in it, and perhaps a basis.
+    """Lattice, described by a rectangular cell with several points, and perhaps a basis.
 
     name: "fcc", "bcc", "hcp", "diamond" or "hexagonal diamond".
     units: unit of whole numbers along each crystal axis, in lattice constants a, shape (3,).
     period: the rectangular cell in these units, shape (3,).
     points: the lattice points in it, in these units.
     basis: from an atom of the first kind to the nearest of the second, or () where all are alike.
-    shells: how many neighbours an atom has in the shells that determine the lattice.
+    shells: number of neighbours of an atom in each shell that determines the lattice.
     screw: from an atom to the nearest one with the same surroundings turned by half a turn about
         c; () if there is none. Kinds 0 and 1 of atoms differ by the basis, 2 and 3 by a screw more.
 

@@ -99,7 +99,7 @@ def read_all(
     form: str | None = None,
     species: Species = None,
 ) -> Iterator[Crystal]:
-    """The crystals of all frames of a trajectory, one after another, in one frame of axes.
+    """Crystals of all frames of a trajectory, one after another, in the axes of the first one.
 
     Lattice, orientation and lattice constant of the first frame are kept in all later ones, so
     that a Burgers vector along the crystal axes is the same from frame to frame; in a polycrystal

@@ -77,7 +77,7 @@ c55=75.4, c66=75.4, unit='GPa')
 
     @classmethod
     def isotropic(cls, shear: float, poisson: float, unit: str = "") -> ElasticConstants:
-        """From the shear modulus and Poisson's ratio, which is above -1 and below 1/2.
+        """Isotropic constants from the shear modulus and Poisson's ratio (above -1, below 1/2).
 
         Examples
         --------
@@ -132,7 +132,7 @@ c55=75.4, c66=75.4, unit='GPa')
 
     @classmethod
     def of_text(cls, text: str) -> ElasticConstants:
-        """From words such as "cubic 168.4 121.4 75.4 GPa": the symmetry, its constants, the unit.
+        """Constants from text such as "cubic 168.4 121.4 75.4 GPa": symmetry, numbers, unit.
 
         The symmetries are isotropic (shear modulus, Poisson's ratio), cubic (c11, c12, c44),
         hexagonal (c11, c12, c13, c33, c44) and voigt (21 numbers, see `of_voigt`).

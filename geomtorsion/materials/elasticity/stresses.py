@@ -405,7 +405,7 @@ def stresses(
     balance: bool = False,
     convention: str = "SF/RH",
 ) -> Stresses:
-    """The stress that belongs to a torsion: the coframe of least elastic energy that has it.
+    """Stress of a torsion, from the coframe of least elastic energy with this torsion.
 
     Equation
     --------
@@ -430,7 +430,7 @@ def stresses(
         Width of a Gaussian over which the torsion is spread, in units of length; of a line, at
         least one step of the grid. The default is two steps for lines, and 0 for fields.
     gauge
-        Length l of the gauge theory, in which the stress of a line is finite; 0 without.
+        Length l of the gauge theory, in which the stress of a line is finite; 0: no gauge theory.
     mean_stress
         Mean of the stress over the cell, shape (3, 3), such as a load; the default is 0.
     balance

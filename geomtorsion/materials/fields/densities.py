@@ -102,7 +102,7 @@ class DefectDensities:
 
 @dataclass(frozen=True, eq=False, repr=False)
 class DefectConservation:
-    """Whether measured densities satisfy their conservation laws, in units of their errors.
+    """Residuals of the conservation laws of measured defect densities, with their errors.
 
     Equation
     --------

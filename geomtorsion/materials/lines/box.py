@@ -95,7 +95,7 @@ class Box:
         Raises
         ------
         NetworkError
-            A step is longer than any countable number of periods.
+            A step is so long that its periods cannot be counted.
         """
         rows = checks.array(steps, "steps", NetworkError, shape=(None, 3))
         with np.errstate(over="ignore", invalid="ignore"):

@@ -103,7 +103,7 @@ class DislocationNetwork:
         surface: Iterable[Hashable] = (),
         positions: Mapping[Hashable, Sequence[float]] | None = None,
     ) -> DislocationNetwork:
-        """From lines (start, end, b); `surface` names the nodes where lines leave the crystal."""
+        """Network of lines (start, end, b); `surface` names nodes where lines leave the crystal."""
         import networkx as nx  # as above
 
         graph = nx.MultiDiGraph()
@@ -133,7 +133,7 @@ class DislocationNetwork:
         tolerance: float = 1e-9,
         burgers: Sequence[Sequence[Number]] | None = None,
     ) -> DislocationNetwork:
-        """From lines as arrays; nodes at a surface may end lines. burgers: b exactly, if known.
+        """Network of lines in arrays; nodes at a surface may end lines. burgers: b, if exact.
 
         Examples
         --------
@@ -207,7 +207,7 @@ class DislocationNetwork:
 
     @classmethod
     def of_opendis(cls, data: Mapping[str, Any]) -> DislocationNetwork:
-        """From the export of OpenDiS: tables `cell`, `nodes` and `segs` of arrays.
+        """Network from the export of OpenDiS: tables `cell`, `nodes` and `segs` of arrays.
 
         Raises
         ------
@@ -447,7 +447,7 @@ class DislocationNetwork:
         return DislocationNetwork(graph, self.tolerance, self.box)
 
     def split(self, line: Line, parts: Sequence[Sequence[Number]]) -> DislocationNetwork:
-        """A line that dissociates into several between the same nodes: b -> b1 + b2 + ...
+        """The network after a line dissociates between its nodes: b -> b1 + b2 + ...
 
         Raises
         ------
@@ -464,7 +464,7 @@ class DislocationNetwork:
         return DislocationNetwork(graph, self.tolerance, self.box)
 
     def zipped(self, first: Line, second: Line, junction: Hashable) -> DislocationNetwork:
-        """Two lines that leave the same node join into one as far as a new junction: b1 + b2 -> b3.
+        """The network after two lines from one node join up to a new junction: b1 + b2 -> b3.
 
         If b1 + b2 = 0 they annihilate there: no line joins the node and the junction.
 

@@ -85,7 +85,7 @@ def written(vector: Vector) -> str:
 
 @dataclass(frozen=True)
 class Reaction:
-    """Dislocations b_1 + b_2 + ... that become others, all lines with the same sense.
+    """Dislocation reaction: b_1 + b_2 + ... become other lines, all with the same sense.
 
     before, after: Burgers vectors, each shape (n,).
     tolerance: share of the largest vector within which floats count as equal.

@@ -195,7 +195,7 @@ def called_for(
     engine: Engine | None = None,
     progress: Callable[[float], object] | bool | None = None,
 ) -> EffectBudget:
-    """The smallest set of effects for an accuracy: omission and integration stay within it.
+    """Smallest set of effects whose errors of omission and integration stay within an accuracy.
 
     Each effect is omitted once; the change of the watched quantities at the reported times is its
     influence. Effects are then omitted, the smallest influence first. The sum of their influences
@@ -218,8 +218,8 @@ def called_for(
         of the watched quantities, relative to their largest size; by default the accuracy of the
         scene or solution, and 1e-10 for a problem.
     at
-        times for a problem (to 10 by default), as for `solve`; nothing for a scene or a solution,
-        which know theirs.
+        times for a problem (to 10 by default), as for `solve`; omit it for a scene or a solution,
+        which have their own times.
     watch
         names of the quantities that count; by default the watched quantities of a scene, the
         coordinates of a curve, the unknown functions in the coframe of a theory.
@@ -233,7 +233,7 @@ def called_for(
     Raises
     ------
     AccuracyError
-        the accuracy is not a positive number, or not to be had.
+        the accuracy is not a positive number, or cannot be reached.
     ArgumentError
         thing has no effects, or `at` does not fit it.
     UnknownNameError

@@ -30,11 +30,11 @@ class Trial:
     """A run of a thing without some of its effects.
 
     values: watched quantity -> values, shape (m, ...), the times first.
-    error: estimate of their error, relative. result: as the thing itself runs.
+    error: estimate of their error, relative. result: the result of the thing's own run.
     accuracy: of the integration. equations: number of equations that were solved.
     first: time of its integration, in seconds. again: measures it once more.
     regular: whether the motion has a closed form, so that small changes do not grow fast.
-    unresolved: quantities that are no larger than the error of those measured with them.
+    unresolved: quantities no larger than the error of the quantities measured with them.
     missed: time of a pulse that all steps passed over, or None.
     """
 
@@ -330,7 +330,7 @@ def _integrated(
     Raises
     ------
     AccuracyError
-        the watched quantities are not to be had with this accuracy.
+        the watched quantities cannot be computed to this accuracy.
     """
     composite, engine, keys = comparison.composite, comparison.engine, frozenset(omitted)
     rest = goal - omission

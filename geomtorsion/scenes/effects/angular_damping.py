@@ -69,7 +69,7 @@ class AngularDamping(Effect):
         return tuple(value) if isinstance(value, Sequence) else (value, value, value)
 
     def adds(self, context: Context) -> Contribution:
-        """A moment."""
+        """Torque in body axes."""
         if isinstance(self.coefficient, tuple):
             sizes = context.vector("c", self.coefficient)
         else:

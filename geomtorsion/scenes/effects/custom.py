@@ -31,7 +31,7 @@ class Custom(Effect):
     force
         three expressions, N, in the axes that `axes` names.
     axes
-        "space" or "body": of the force.
+        "space" or "body": the axes of the force.
     parameters
         name -> number; a sweep or another start changes them without new equations.
     states
@@ -39,10 +39,10 @@ class Custom(Effect):
     start
         name of such a state -> value at the start.
     energy
-        potential or other stored energy, J. Without it, what the moment and force put in is
-        booked as work.
+        potential or other stored energy, J. Without it, the power of torque and force counts as
+        work done on the body.
     power
-        what it puts in, W, if that is something else.
+        input of power, W, if it differs from torque . Omega + force . velocity.
     outputs
         name -> expression, or three: further quantities to watch.
     switches
@@ -104,7 +104,7 @@ class Custom(Effect):
         object.__setattr__(self, "tables", tables)
 
     def adds(self, context: Context) -> Contribution:
-        """Everything that was written down, in symbols."""
+        """The terms of the expressions, in symbols."""
         own = self._names(context)
         functions = {name: _table(name, value).function for name, value in self.tables.items()}
 

@@ -16,7 +16,7 @@ from geomtorsion.scenes.effects.surroundings import Surroundings
 
 @dataclass(frozen=True)
 class GravityGradient(Effect):
-    """Torque of a central field on a body that circles its centre; the orbit is given.
+    """Gravity-gradient torque of a central field on a body in a prescribed circular orbit.
 
     The orbit is in the plane of the first two space axes; at t = 0 the centre of attraction is
     seen from the body in the direction (cos phase, sin phase, 0), or the opposite one.
@@ -31,7 +31,7 @@ class GravityGradient(Effect):
     rate
         n, of the orbit, rad/s; sqrt(mu / radius^3).
     phase
-        where the orbit begins, rad.
+        angle of the orbit at t = 0, rad.
 
     Raises
     ------
@@ -66,7 +66,7 @@ class GravityGradient(Effect):
         check_numbers(self, "phase")
 
     def adds(self, context: Context) -> Contribution:
-        """A moment, its potential and what the turning field puts in."""
+        """Torque, its potential, and the power of the rotating field."""
         n = context.parameter("n", self.rate)
         angle = n * context.t + context.parameter("phase", self.phase)
         centre = context.in_body((sp.cos(angle), sp.sin(angle), 0))

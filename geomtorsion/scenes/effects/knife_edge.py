@@ -58,7 +58,7 @@ class KnifeEdge(Effect):
         check_numbers(self, "speed")
 
     def adds(self, context: Context) -> Contribution:
-        """The constraint: forward speed u and Omega3 are what remains."""
+        """The constraint; the remaining speeds are u, forwards, and Omega3."""
         u = context.state("u")
         spin = context.Omega[2]
         arm = context.vector("a", self.arm)

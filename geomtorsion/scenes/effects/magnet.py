@@ -57,7 +57,7 @@ class Magnet(Effect):
         check_vectors(self, "dipole", "field")
 
     def adds(self, context: Context) -> Contribution:
-        """A moment, its potential, and what a changing field puts in."""
+        """Torque, its potential, and the power of a changing field."""
         dipole = context.vector("mu", self.dipole)
         outside = read_three(self.field, context, "B", f"{self.called(context)}.field")
         # A field that changed with the place would also push, and its energy would be another.

@@ -30,7 +30,7 @@ class Pivot(Effect):
         from the pivot to the centre of mass, body axes, m. A top on its tip with its
         axis along the third body axis has (0, 0, height).
     place
-        where the pivot is in space, m.
+        position of the pivot in space, m.
     moments_at
         "centre": the body's moments are about its centre of mass, Steiner's part is added;
         "pivot": they are about the pivot already.
@@ -38,7 +38,7 @@ class Pivot(Effect):
     Raises
     ------
     SceneError
-        the arm is not a vector, or moments_at is something else.
+        the arm is not a vector, or moments_at is neither "centre" nor "pivot".
 
     Examples
     --------
@@ -64,7 +64,7 @@ class Pivot(Effect):
         choice(self.moments_at, points, "pivot.moments_at", SceneError, remedy=remedy)
 
     def adds(self, context: Context) -> Contribution:
-        """The constraint v = Omega x a; inertia is taken back where it counts Steiner's part."""
+        """The constraint v = Omega x a; moments about the pivot are reduced to the centre."""
         arm = context.vector("a", self.arm)
         place = context.vector("place", self.place)
         constraint = Constraint(
@@ -75,7 +75,7 @@ class Pivot(Effect):
             arm=tuple(arm),
         )
         steiner = None
-        # The projection adds Steiner's part in any case: where it counts already, it is taken back.
+        # The projection adds Steiner's part in any case; moments about the pivot contain it.
         if self.moments_at == "pivot":
             matrix = context.mass * (arm * arm.T - arm.dot(arm) * sp.eye(3))
             steiner = tuple(tuple(matrix[i, :]) for i in range(3))

@@ -28,7 +28,7 @@ class Constraint:
     omega: body angular velocity, body axes (rad/s), linear in the speeds.
     velocity: velocity of the centre of mass, in BODY axes (m/s), linear in the speeds; may depend
         on the attitude or the vertical.
-    position: place of the centre of mass, space axes (m), where the constraint fixes it; components
+    position: of the centre of mass, space axes (m), where the constraint fixes it; components
         that follow from the velocity are the symbols themselves. None: all of them.
     arm: from a point that is fixed in space to the centre of mass, body axes (m); angular momentum
         then counts about that point. None: about the centre of mass.
@@ -52,7 +52,7 @@ class Constraint:
 class Contribution:
     """Terms that one effect adds to the equations of a body; each is zero by default.
 
-    moment: moment about the centre of mass, body axes (N m).
+    moment: torque about the centre of mass, body axes (N m).
     force: force at the centre of mass, space axes (N). If a constraint ties the centre of mass
         to the rotation, the torque of the force is computed.
     momentum: internal angular momentum, body axes (N m s), added to I Omega (a rotor); the
@@ -65,7 +65,7 @@ class Contribution:
     outputs: further quantities that can be watched -> expression or several.
     switches: ((time, {name: value}), ...): parameters (as `context.parameter` named them) or
         states that change at exact times.
-    constraint: the velocities that it leaves.
+    constraint: on the velocities; None for an effect that is not a constraint.
     replaces: state -> rate, instead of the derived rate: for laws outside of mechanics.
     stop: the motion stops where this falls through zero.
     naive: whether Omega x L is omitted from the equations, L the whole angular momentum.
@@ -89,9 +89,9 @@ class Contribution:
 
 @dataclass(frozen=True)
 class Effect:
-    """Outline of an effect: a frozen dataclass; its fields are numbers with units (`unit`).
+    """Interface of an effect: a frozen dataclass whose fields are numbers with units (`unit`).
 
-    key: how files and dotted paths call it ("gravity").
+    key: its name in files and dotted paths ("gravity").
     title: one line for tables.
     several: whether a scene may have more than one of the kind.
     excludes: keys of effects that contradict it.
@@ -116,7 +116,7 @@ class Effect:
         raise NotImplementedError
 
     def called(self, context: Context) -> str:
-        """How errors and outputs call it: its key, counted where there are several of a kind."""
+        """Name in errors and outputs: the key, numbered if a scene has several of the kind."""
         return context.key or self.key
 
     def needs(self, body: Body | None = None) -> frozenset[str]:

@@ -40,7 +40,7 @@ class Rolling(Effect):
     Raises
     ------
     SceneError
-        the radius is not positive, or the shape is something else.
+        the radius is not positive, or the shape is neither "disc" nor "ball".
 
     Examples
     --------
@@ -61,7 +61,7 @@ class Rolling(Effect):
         choice(self.shape, SHAPES, "rolling.shape", SceneError)
 
     def adds(self, context: Context) -> Contribution:
-        """The constraint; angular velocity is what remains."""
+        """The constraint; the remaining speeds are the angular velocity."""
         r = context.parameter("radius", self.radius)
         n1, n2, n3 = context.vertical
         # The lowest point is on the plane: the height of the centre is -c . n.

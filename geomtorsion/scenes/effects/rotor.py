@@ -32,8 +32,8 @@ class Rotor(Effect):
     axis
         a, body axes; its length does not matter.
     momentum
-        h, N m s: driven, of the relative rotation; free, of the whole rotation about the axis at
-        the start.
+        h, N m s: of a driven wheel, by its rotation relative to the body; of a free wheel, by its
+        total rotation about the axis, at the start.
     inertia
         J, about the axis, kg m^2. None: the wheel is driven at a constant relative speed.
     torque
@@ -77,7 +77,7 @@ class Rotor(Effect):
             )
 
     def adds(self, context: Context) -> Contribution:
-        """Internal angular momentum; a free wheel takes its part out of the inertia."""
+        """Internal angular momentum; the body loses the inertia of a free wheel about its axis."""
         axis = unit_axis(context, "axis", self.axis)
         if self.inertia is None:
             momentum = context.parameter("h", self.momentum) * axis

@@ -27,7 +27,7 @@ class Thrust(Effect):
         three components in body axes, N: numbers, or expressions such as "20*exp(-t)" of time
         and state (t, Omega1..3, n1..3, R11..R23, x, y, z, vx, vy, vz, m, I1..3).
     point
-        where it acts, from the centre of mass, body axes, m.
+        point of action, from the centre of mass, body axes, m.
     start, end
         it is on between these times, s; None: from the beginning, to the end. The motion
         restarts at both, so that no step passes over them.
@@ -61,7 +61,7 @@ class Thrust(Effect):
         _check_times(self)
 
     def adds(self, context: Context) -> Contribution:
-        """A force, the moment of its arm, and switches."""
+        """Force, its torque, and the times at which it switches."""
         burn, switches = between(context, "burn", self.start, self.end)
         force = burn * read_three(self.force, context, "F", f"{self.called(context)}.force")
         point = context.vector("point", self.point)
@@ -111,7 +111,7 @@ class BodyMoment(Effect):
         _check_times(self)
 
     def adds(self, context: Context) -> Contribution:
-        """A moment and switches."""
+        """Torque, and the times at which it switches."""
         factor, switches = between(context, "motor", self.start, self.end)
         moment = factor * read_three(self.moment, context, "M", f"{self.called(context)}.moment")
         return Contribution(moment=tuple(moment), switches=switches)

@@ -17,8 +17,9 @@ from geomtorsion.scenes.effects.protocol import Contribution, Effect, unit
 class Torsion(Effect):
     """The torsion force of R^3 x SO(3): a free body then moves on an autoparallel.
 
-    Without it a free body goes straight on (a geodesic); with it, Omega and the velocity in body
-    axes stay constant, and its centre draws a helix. Bodies of nature do not feel it.
+    Without it the centre of a free body moves along a straight line (a geodesic); with it, Omega
+    and the velocity in body axes stay constant, and the centre moves on a helix. Real bodies do not
+    feel it.
 
     Equation
     --------
@@ -52,7 +53,7 @@ class Torsion(Effect):
         check_numbers(self, "strength")
 
     def adds(self, context: Context) -> Contribution:
-        """Force and moment; neither does work, being across velocity and rotation."""
+        """Force and torque; both are perpendicular to the motion and do no work."""
         size = context.parameter("torsion", self.strength)
         omega = sp.Matrix(context.Omega)
         moment = size * omega.cross(context.inertia * omega)

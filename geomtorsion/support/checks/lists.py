@@ -103,7 +103,7 @@ def numbers(
 def indices(
     values: Sequence[object], length: int, size: int, subject: str, error: ErrorClass
 ) -> tuple[int, ...]:
-    """So many whole numbers from 0 to below a size, such as the indices of a component.
+    """A given number of whole numbers from 0 to size - 1, such as the indices of a component.
 
     Examples
     --------
@@ -124,7 +124,7 @@ one for each index.
 def flags(
     values: object, length: int, subject: str, error: ErrorClass, *, remedy: str = ""
 ) -> tuple[bool, ...]:
-    """So many truth values; 0 and 1 count as truth values.
+    """A given number of truth values; 0 and 1 count as truth values.
 
     Examples
     --------
@@ -297,7 +297,7 @@ def unmasked(values: object) -> np.ndarray:
     Raises
     ------
     TypeError, ValueError
-        It is none.
+        The value is not an array of numbers.
 
     Examples
     --------

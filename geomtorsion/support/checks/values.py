@@ -252,7 +252,7 @@ def expression(
 def check_declared(symbol: sp.Symbol, value: object) -> None:
     """Refuse a value that contradicts the assumptions of a parameter.
 
-    sympy has used that already: sqrt(M**2) is M, which would be wrong without a word.
+    sympy has used the assumption already: sqrt(M**2) is M, which would be silently wrong.
 
     Raises
     ------
@@ -323,7 +323,7 @@ def real(value: object) -> float | None:
     """The size of a real number as a float, perhaps nan or infinite; None for anything else.
 
     Real numbers are int, float, Fraction, mpmath's, NumPy's and sympy's, and exact elements. Text,
-    truth values, complex numbers, lists and expressions with symbols are none.
+    truth values, complex numbers, lists and expressions with symbols are not real numbers.
 
     Examples
     --------
@@ -400,7 +400,7 @@ def repr_fraction(value: float) -> Fraction:
 
 @dataclass(frozen=True)
 class LargestArgument:
-    """How large a number may be that a function is taken of: beyond, its value would not end.
+    """Largest argument of a function of numbers; a larger one would be computed forever.
 
     elementary: of exp, sin and their like. mpmath works with all digits of such a number before
     the point; a machine word has 64 bits.

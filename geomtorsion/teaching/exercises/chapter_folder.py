@@ -35,7 +35,7 @@ Result = TypeVar("Result")
 
 @dataclass(frozen=True, eq=False, repr=False)
 class Chapter:
-    """A chapter of a teacher.
+    """Chapter of exercises that a teacher wrote.
 
     folder: with chapter.toml, and with chapter.py if an exercise has a function. number: of the
     chapter, such as "8"; the exercises are "8.1", "8.2" and so on, in the order of the file.
@@ -207,7 +207,7 @@ class Chapter:
 
 
 def load_folder(folder: Folder | Chapter) -> Chapter:
-    """The chapter of a teacher in a folder; each exercise is made once, to find its mistakes.
+    """Load the chapter of a teacher from a folder; each exercise is made once, as a check.
 
     Parameters
     ----------

@@ -33,4 +33,4 @@ def test_json(found):
 
 def test_unknown_format():
     """An unknown format is refused with the available ones."""
-    assert "text or json" in run("paper", "--format", "xml", code=2).stderr
+    assert "'text', 'json'" in run("paper", "--format", "xml", code=2).stderr
