@@ -16,6 +16,7 @@ from geomtorsion.exact.expansion import Expansion, limit
 from geomtorsion.geometry import arithmetic, evaluation, indexing, notation
 from geomtorsion.geometry.components import Components, Index, Symmetry, change_slot, effective
 from geomtorsion.geometry.index_types import EXCHANGES, KINDS, moved
+from geomtorsion.geometry.nested_entries import nested_entries
 from geomtorsion.geometry.notation import ComponentTable, Names, Where
 from geomtorsion.geometry.substitution import (
     Replaced,
@@ -24,7 +25,7 @@ from geomtorsion.geometry.substitution import (
     replacements,
     substitution,
 )
-from geomtorsion.support import checks
+from geomtorsion.support import arguments, checks
 from geomtorsion.support.caching import cached_property
 from geomtorsion.support.displays import Plot, drawn_by, figure_by
 from geomtorsion.support.exclusive import exclusive
@@ -40,7 +41,13 @@ Number = int | float | complex | Fraction | sp.Expr
 Scalar = int | Fraction | sp.Expr | Element
 Point = Mapping[str, Number] | Mapping[sp.Expr, Number]
 Points = Mapping[str, "Number | ArrayLike"] | Mapping[sp.Expr, "Number | ArrayLike"]
-Source = Components | Mapping[Index, Scalar] | Callable[[Index], Element]
+Source = (
+    Components
+    | Mapping[Index, Scalar]
+    | Callable[[Index], Element]
+    | Sequence[object]
+    | arguments.Array
+)
 
 
 @attribute_hints(
@@ -60,7 +67,8 @@ class Tensor:
 
     frame: the frame whose coordinates and legs the indices refer to.
     slots: one letter per index: d, u coordinate index down, up; D, U frame index down, up.
-    source: components: a mapping index -> value (the rest vanishes), or a rule index -> Element.
+    source: components: nested lists or an array, a mapping index -> value (the rest vanishes), or a
+        rule index -> Element.
     symmetry: generators of the symmetry that the all-lower (or all-upper) form has.
     symbol, name: how it is written and called.
     anchored: indices whose basis cannot be changed, as of connection coefficients.
@@ -76,6 +84,8 @@ class Tensor:
     (r**2, 'dd')
     >>> metric.raised(0).nonzero()
     {(0, 0): 1, (1, 1): 1}
+    >>> Tensor(metric.frame, "u", [0, 1 / r]).lowered(0)[1]
+    r
     """
 
     frame: Frame
@@ -104,11 +114,14 @@ class Tensor:
         field, rank, dimension = self.frame.field, len(self.slots), self.frame.dimension
         if isinstance(self.source, Components):
             return self.source
-        if isinstance(self.source, Mapping):
-            named = [(f"{self.symbol}{list(i)}", value) for i, value in self.source.items()]
-            values = dict(zip(self.source, self.frame.read(named), strict=True))
-            return Components.placed(field, rank, dimension, values, symmetry)
-        return Components(field, rank, dimension, self.source, symmetry)
+        if callable(self.source):
+            return Components(field, rank, dimension, self.source, symmetry)
+        listed = self.source
+        if not isinstance(listed, Mapping):
+            listed = nested_entries(listed, rank, dimension, self.symbol)
+        named = [(f"{self.symbol}{list(i)}", value) for i, value in listed.items()]
+        values = dict(zip(listed, self.frame.read(named), strict=True))
+        return Components.placed(field, rank, dimension, values, symmetry)
 
     # -- reading -------------------------------------------------------------------------------
 

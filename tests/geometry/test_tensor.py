@@ -1,6 +1,7 @@
 """Tensor: access, changes of indices, arithmetic, numbers and notation."""
 
 import math
+from typing import Any
 
 import mpmath
 import numpy as np
@@ -9,6 +10,7 @@ import sympy as sp
 
 from geomtorsion.errors import (
     CoordinateError,
+    GeomtorsionError,
     MissingValueError,
     SingularPointError,
     TensorIndexError,
@@ -264,3 +266,15 @@ def test_values_against_declarations(digits):
     with pytest.raises(CoordinateError, match=said.format("-1.5")):
         metric.at({x: 1, M: [1, -1.5, -2]}, digits=digits)
     assert metric.at({x: 0, M: [0, 2]}, digits=digits)[:, 1, 1].tolist() == [0, 4]
+
+
+def test_components_as_an_array() -> None:
+    """Nested lists and arrays give the tensor of the same table; other things are refused."""
+    frame = load("s2").frame
+    table = Tensor(frame, "dd", {(0, 0): 1, (0, 1): "R"})
+    for values in ([[1, "R"], [0, 0]], sp.Matrix([[1, sp.Symbol("R", positive=True)], [0, 0]])):
+        assert (Tensor(frame, "dd", values) - table).is_zero
+    wrong: list[Any] = [5, "x", None, [1, 2], [[1, 0]]]
+    for values in wrong:
+        with pytest.raises(GeomtorsionError, match="expected 2 entries"):
+            Tensor(frame, "dd", values)[0, 0]

@@ -301,20 +301,23 @@ def test_what_rounding_hides_is_reported():
 
 
 def test_a_pulse_that_steps_pass_over_is_not_called_without_influence():
-    """A torque of 0.3 ms in 40 s: no step sees it; the samples between steps do."""
+    """A torque of 2 ms in 40 s whose shape no step shows; the samples between steps do."""
     pulse = gt.effects.Custom(
-        moment=("A*exp(-((t - 20)/w)**2)", 0, 0), parameters={"A": 5000, "w": 0.0003}
+        moment=("A*exp(log((1 + sin(pi*t/40)**2)/2)/w**2)", 0, 0),
+        parameters={"A": 5000, "w": 0.0001},
     )
     body, start = gt.Body(mass=1, moments=(1, 2, 3)), gt.State(omega=(0, 0.1, 1))
     scene = gt.Scene(body, [pulse], start, watch=["omega"], t=40, accuracy=1e-6)
     budget = scene.called_for(1e-3)
     assert budget.effects == ("custom",)
     assert "not resolved: it acts near t = 20" in budget["custom"].note
-    # The same torque over seconds is resolved, and has a measured influence.
-    slow = replace(scene, effects=[replace(pulse, parameters={"A": 1, "w": 2})])
-    row = slow.called_for(1e-3)["custom"]
-    assert row.note == ""
-    assert 0.1 < row.influence < math.inf
+    # The same torque over seconds is resolved, and so is a blow as short whose shape is simple.
+    slow = replace(pulse, parameters={"A": 1, "w": 0.2})
+    blow = gt.effects.Custom(moment=("5000*exp(-((t - 20)/0.0003)**2)", 0, 0))
+    for effect in (slow, blow):
+        row = replace(scene, effects=[effect]).called_for(1e-3)["custom"]
+        assert row.note == ""
+        assert 0.1 < row.influence < math.inf
 
 
 def test_an_exactly_upright_top_needs_its_weight():
