@@ -9,7 +9,7 @@ from typing import TypeVar
 
 from geomtorsion import spaces
 from geomtorsion.errors import FileFormatError, UnknownNameError
-from geomtorsion.spaces import Space, read_file, typed_space
+from geomtorsion.spaces import Space, read_file
 from geomtorsion.support.typed_text import is_typed
 
 T = TypeVar("T")
@@ -35,7 +35,7 @@ def shipped_or_file(
 def open_space(source: str) -> Space:
     """The shipped space of this name, the space in this file, or a line element."""
     if is_typed(source) and not Path(source).exists():
-        return typed_space(source)
+        return spaces.load(source)
     tetrad = source in spaces.names() or Path(source).suffix == ".toml"
     # By name: a command on a space does not need the readers of measured data.
     if not tetrad and import_module("geomtorsion.materials.readers").is_source(source):

@@ -221,7 +221,9 @@ class Settled:
                 codes[which] = BallCode(replace(self.graph, outputs=outputs))
             recomputed = float_values(codes[which], point)
             for k, value in zip(which, recomputed, strict=True):
-                replacement = last_resort(k, point) if value is None else value
+                # A value above the largest float is not finite either.
+                lost = value is None or not np.isfinite(value)
+                replacement = last_resort(k, point) if lost else value
                 if replacement is None:
                     return (k, *at)
                 values[(k, *at)] = replacement

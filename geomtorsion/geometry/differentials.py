@@ -10,7 +10,7 @@ import sympy as sp
 
 from geomtorsion.errors import CoframeError, MetricError
 from geomtorsion.support.checks import ErrorClass, refuse
-from geomtorsion.support.typed_text import ANGLES, SPHERE
+from geomtorsion.support.typed_text import ANGLES, COMMA, SPHERE
 
 # Text, its place in messages, and the symbols dq^mu that it may contain.
 Reader = Callable[[str, str, Sequence[sp.Symbol]], sp.Expr]
@@ -75,6 +75,8 @@ def written_out(
     [[-1, t], [t, 0]]
     >>> written_out(["dt", "t*dx"], "coframe", list(names.values()), names, read)
     [[1, 0], [0, t]]
+    >>> written_out("dt, t*dx", "coframe", list(names.values()), names, read)
+    [[1, 0], [0, t]]
     >>> written_out([-1, "t"], "metric", list(names.values()), names, read)
     [[-1, 0], [0, 't']]
     """
@@ -83,6 +85,8 @@ def written_out(
         text = _with_sphere(_LEFT_SIDE.sub("", values, count=1), coordinates)
         value = read(text, kind, forms)
         return _coefficients(value, forms, 2, kind, values, MetricError)
+    if kind == "coframe" and isinstance(values, str):
+        values = [part.strip() for part in COMMA.split(values)]
     listed = values if is_flat(values) and isinstance(values, list | tuple) else ()
     if kind == "metric" and len(listed) > 1:
         return [[x if mu == nu else 0 for nu in range(len(listed))] for mu, x in enumerate(listed)]

@@ -133,7 +133,8 @@ def solve(
     if not callable(getattr(problem, "first_stage", None)):
         raise StartError(
             "solve: expected a problem (autoparallel, geodesic, ...) or an ODE, "
-            f"got {checks.shown(problem)}."
+            f"got {checks.shown(problem)}. Equations are made by ODE.of(rates, start); a scene has "
+            "run()."
         )
     if checks.entries(derivatives, "derivatives", StartError):
         problem = problem.with_derivatives(derivatives)

@@ -14,7 +14,6 @@ if TYPE_CHECKING:
     from geomtorsion.spaces.kerr_orbits import Frequencies, KerrOrbit, kerr_orbit, kerr_orbit_of
     from geomtorsion.spaces.kerr_plunges import KerrPlunge, kerr_plunge
     from geomtorsion.spaces.pair import Pair, pair_problems, refuse_unknown_functions, solve_pair
-    from geomtorsion.spaces.typed import typed_space
 
 # Names imported on first use: loading a space needs no motions and no comparison.
 _LATER = {
@@ -22,7 +21,7 @@ _LATER = {
     "solve_pair": "pair", "Identification": "identification", "Identified": "identification",
     "identify": "identification", "Frequencies": "kerr_orbits", "KerrOrbit": "kerr_orbits",
     "kerr_orbit": "kerr_orbits", "kerr_orbit_of": "kerr_orbits", "KerrPlunge": "kerr_plunges",
-    "kerr_plunge": "kerr_plunges", "typed_space": "typed",
+    "kerr_plunge": "kerr_plunges",
 }  # fmt: skip
 
 __all__ = [
@@ -48,7 +47,6 @@ __all__ = [
     "shipped_space",
     "solve_pair",
     "titles",
-    "typed_space",
 ]
 
 

@@ -10,7 +10,9 @@ from typing import TYPE_CHECKING, NamedTuple
 
 from geomtorsion.errors import UnknownNameError
 from geomtorsion.spaces.tetrad_files import read_file
+from geomtorsion.spaces.typed import typed_space
 from geomtorsion.support.checks import close_names, shown
+from geomtorsion.support.typed_text import is_typed
 
 if TYPE_CHECKING:
     from geomtorsion.geometry import Frame
@@ -142,9 +144,10 @@ def titles() -> dict[str, str]:
 
 
 def load(name: str | PathLike[str]) -> Space:
-    """Space with this name, or from a tetrad file (a path, or a text that ends in .toml).
+    """Space with this name, from a tetrad file, or typed as a line element or as one-forms.
 
-    Imports the module of the space and no other one.
+    A path, or a text that ends in .toml, is a file. In a typed text the names after d are the
+    coordinates, in their order; other names are real parameters, and f(r) is an unknown function.
 
     Raises
     ------
@@ -152,9 +155,13 @@ def load(name: str | PathLike[str]) -> Space:
         No space has this name; the message lists near ones.
     FileFormatError, ExpressionError, LimitError
         The file cannot be read; see `read_file`.
+    MetricError, CoframeError
+        The text is neither a line element nor a list of one-forms.
 
     Examples
     --------
+    >>> load("dr^2 + r^2 dtheta^2").frame.metric[1, 1]
+    r**2
     >>> load("heisenberg").frame.dimension
     3
     """
@@ -164,13 +171,15 @@ def load(name: str | PathLike[str]) -> Space:
         if isinstance(name, str) and one.name == name:
             module = import_module(f"geomtorsion.spaces.{one.module or one.name}")
             return _with_charts(replace(module.space(one.name), title=one.title))
+    if isinstance(name, str) and is_typed(name):
+        return typed_space(name)
     text = name.lower().replace("-", "_") if isinstance(name, str) else ""
     near = close_names(text, names(), most=5, cutoff=0.4)
     hint = f"Near: {', '.join(near)}." if near else "None is near."
     raise UnknownNameError(
         f"expected the name of a shipped space, got {shown(name)}. {hint} "
-        "`geomtorsion spaces` (or geomtorsion.spaces.names()) lists all of them. A file flat.toml "
-        "makes another space: coordinates = ['t', 'x'] and metric = '-dt^2 + dx^2'."
+        "`geomtorsion spaces` (or geomtorsion.spaces.names()) lists all of them. Another "
+        "space may be typed: '-dt^2 + dx^2', or one-forms 'dr, r dtheta'."
     )
 
 

@@ -12,6 +12,9 @@ DIFFERENTIAL = re.compile(r"(?<![^\W\d])(d(?!elta\b|s\b|Omega|Ω)[^\W\d]\w*)(?!\
 # A square or a product of differentials, as opposed to a one-form.
 QUADRATIC = re.compile(r"\^|\*\*|(?<![^\W\d])d[^\W\d]\w*[\s*]+d[^\W\d]")
 
+# A comma outside of the arguments of a function.
+COMMA = re.compile(r",(?![^(]*\))")
+
 
 def is_typed(text: str) -> bool:
     """Whether a text contains differentials, as no name of a space or file does.

@@ -4,7 +4,6 @@ import pytest
 
 import geomtorsion as gt
 from geomtorsion.cli.exits import ExitCode
-from geomtorsion.spaces import typed_space
 from tests.cli import running
 
 
@@ -25,7 +24,7 @@ from tests.cli import running
     ],
 )
 def test_names_are_read_from_the_text(text: str, coordinates: str, parameters: str) -> None:
-    frame = typed_space(text).frame
+    frame = gt.spaces.load(text).frame
     assert " ".join(map(str, frame.coordinates)) == coordinates
     assert " ".join(map(str, frame.parameters)) == parameters
     if "," in text:

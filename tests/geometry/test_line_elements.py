@@ -122,12 +122,19 @@ def test_a_file_names_itself_in_refusals(tmp_path):
         gt.read(path)
 
 
-def test_the_file_that_a_wrong_name_suggests_is_flat(tmp_path):
-    """The message about a space that is not shipped contains a file that can be read."""
+def test_the_texts_that_a_wrong_name_suggests_are_spaces():
+    """The message about a space that is not shipped contains texts that can be typed."""
     with pytest.raises(gt.errors.UnknownNameError) as refused:
         gt.spaces.load("minkowski")
-    keys = str(refused.value).split("another space: ")[1].removesuffix(".").replace(" and ", "\n")
-    path = tmp_path / "flat.toml"
-    path.write_text(keys, "utf-8")
-    frame = gt.read(path).frame
-    assert frame.metric == gt.Frame.from_metric(frame.coordinates, [-1, 1]).metric
+    line, forms = str(refused.value).split("'")[3::2]
+    assert gt.levi_civita(line).curvature.is_zero
+    assert gt.cartan(forms).torsion.S[0, 1, 1] == 1 / (
+        2 * gt.spaces.load(forms).frame.coordinates[0]
+    )
+
+
+def test_one_text_of_one_forms():
+    """A coframe in one text is the coframe of its parts; functions keep their commas."""
+    one = gt.Frame("x y", "f(x, y) dx, dy - x dx")
+    assert one.coframe == gt.Frame("x y", ["f(x, y) dx", "dy - x dx"]).coframe
+    assert gt.same_geometry("dx^2 + dy^2", "dr^2 + r^2 dphi^2").verdict == "same"

@@ -264,3 +264,11 @@ def test_parameters_at_which_a_coframe_is_nowhere_finite(entry: str) -> None:
         with pytest.raises(SingularPointError, match=r"parameters: .*k.* vanishes at k = [01]"):
             way()
     assert burgers_vector(frame, circle, parameters={"k": 0.5}).reached
+
+
+def test_a_frame_above_the_largest_float_is_refused_at_once():
+    """exp(1/r^4) along a polygon that passes the axis at 0.1: a vector with nan came out."""
+    frame = Frame("x y z", [["exp(1/(x^2 + y^2)^2)", 0, 0], [0, 1, 0], [0, 0, 1]])
+    corners = [(1.1, 0.1, 0), (-0.6, 1, 0), (-0.7, -0.9, 0), (2, 2.1, 3)]
+    with pytest.raises(SingularPointError, match="no finite value at x = "):
+        burgers_vector(frame, Loop.polygon(corners))
