@@ -21,6 +21,8 @@ from geomtorsion.support.workers import MEMORY, TIME, Bounds, limit_data, machin
 # Base of the errors for wrong options; typer brings its own click, and exports only this class.
 UsageError = cast("type[typer.BadParameter]", typer.BadParameter.__bases__[0])
 _INVALID = re.compile(r"^Invalid value for '([^']*)': ")
+# Values that users gave, too long to be printed whole.
+_LONG = re.compile(r"'([^']{200,})'")
 # Words that no argument of a command takes.
 _EXTRA = re.compile(r"Got unexpected extra arguments?(?:\(s\))? \((.*)\)")
 # An entry of a matrix, as Python counts.
@@ -137,6 +139,7 @@ def wrong_usage(error: typer.BadParameter) -> str:
     """The error in the arguments of a command, and where its options are listed."""
     message = error.format_message().removeprefix("Invalid value: ")
     message = _INVALID.sub(r"\1: ", message).replace("Value error, ", "")
+    message = _LONG.sub(lambda match: f"'{cut(match[1])}'", message)
     path = error.ctx.command_path if error.ctx else "geomtorsion"
     extra = _EXTRA.fullmatch(message)
     takes = error.ctx.command.params if error.ctx else []

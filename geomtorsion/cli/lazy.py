@@ -9,7 +9,7 @@ from __future__ import annotations
 import gc
 import re
 import signal
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager, nullcontext
 from functools import partial
 from importlib import import_module
@@ -40,6 +40,17 @@ SETTINGS: dict[str, Any] = {
 
 # What a context keeps: the arguments of the command line, and the interrupts that came.
 _ARGUMENTS, _INTERRUPTS = "geomtorsion.arguments", "geomtorsion.interrupts"
+
+
+def typed_apart(args: Sequence[str]) -> list[str]:
+    """Arguments with a blank before line elements that begin with a minus, which are no options.
+
+    Examples
+    --------
+    >>> typed_apart(["identify", "-dt^2 + dx^2", "-k", "legs"])
+    ['identify', ' -dt^2 + dx^2', '-k', 'legs']
+    """
+    return [f" {one}" if _MINUS.match(one) and is_typed(one) else one for one in args]
 
 
 class LazyGroup(TyperGroup):
@@ -92,11 +103,8 @@ class LazyGroup(TyperGroup):
                     formatter.write_dl([(name, self.summaries[name]) for name in names])
 
     def parse_args(self, ctx: Any, args: list[str]) -> list[str]:
-        """The arguments of the group; a wrong option of the group ends like any other error.
-
-        A blank before a line element that begins with a minus keeps it from being an option.
-        """
-        args = [f" {one}" if _MINUS.match(one) and is_typed(one) else one for one in args]
+        """The arguments of the group; a wrong option of the group ends like any other error."""
+        args = typed_apart(args)
         ctx.meta.setdefault(_ARGUMENTS, list(args))
         # Without arguments typer shows help and raises it as an error.
         with clean_exits() if args else nullcontext():

@@ -10,6 +10,7 @@ from itertools import chain
 import numpy as np
 
 from geomtorsion.errors import ArgumentError
+from geomtorsion.geometry import Frame
 from geomtorsion.geometry.connections import FrameLike, as_frame
 from geomtorsion.loops.arcs import Parameters, Part
 from geomtorsion.loops.defects import lines_alone, winds_around_line
@@ -151,17 +152,10 @@ def burgers_vector(
         for part, cuts in zip(loop.parts, near, strict=True)
     ]
     only_lines = not any(near) or lines_alone(frame, compiled.poles)
-    chosen = [
-        _chosen(part, *pair, accuracy) if only_lines or not cuts else _near_pole(part, *pair)
-        for part, pair, cuts in zip(loop.parts, pairs, near, strict=True)
-    ]
+    beside = [bool(cuts) and not only_lines for cuts in near]
+    chosen = _choices(loop, pairs, beside, accuracy)
     if compiled.poles is not None:
-        chosen = [
-            (pair[0], False, HIDDEN)
-            if choice[0] is pair[1] and winds_around_line(frame, loop, part, parameters)
-            else choice
-            for part, pair, choice in zip(loop.parts, pairs, chosen, strict=True)
-        ]
+        chosen = _without_hidden(frame, loop, pairs, chosen, parameters)
     routes, verdicts, reasons = zip(*chosen, strict=True)
     power = min(route.power for route in routes)
     with np.errstate(over="ignore", invalid="ignore"):
@@ -218,6 +212,38 @@ def _chosen(
     digits = f"{error / largest:.0e}" if largest else "no digit"
     why = f"flux: the loop is so small that the line integral is good to {digits} of b only"
     return flux, True, why
+
+
+def _choices(
+    loop: Loop,
+    pairs: Sequence[tuple[Route, Route | None]],
+    beside: Sequence[bool],
+    accuracy: float,
+) -> list[tuple[Route, bool | None, str]]:
+    """The route of each part, whether both routes agree, and why it was chosen.
+
+    pairs: line and flux of each part. beside: whether a part runs beside a pole of unknown shape.
+    """
+    return [
+        _near_pole(part, *pair) if near else _chosen(part, *pair, accuracy)
+        for part, pair, near in zip(loop.parts, pairs, beside, strict=True)
+    ]
+
+
+def _without_hidden(
+    frame: Frame,
+    loop: Loop,
+    pairs: Sequence[tuple[Route, Route | None]],
+    chosen: Sequence[tuple[Route, bool | None, str]],
+    parameters: Parameters | None,
+) -> list[tuple[Route, bool | None, str]]:
+    """The choices, with the line where a part winds round a line whose charge the flux misses."""
+    return [
+        (pair[0], False, HIDDEN)
+        if choice[0] is pair[1] and winds_around_line(frame, loop, part, parameters)
+        else choice
+        for part, pair, choice in zip(loop.parts, pairs, chosen, strict=True)
+    ]
 
 
 def _near_pole(part: Part, line: Route, flux: Route | None) -> tuple[Route, bool | None, str]:

@@ -12,6 +12,7 @@ import typer
 
 import geomtorsion as gt
 from geomtorsion.cli.app import app
+from geomtorsion.cli.lazy import typed_apart
 from tests.cli.running import run
 from tests.test_readme import COMMANDS
 
@@ -96,7 +97,7 @@ def test_a_command_line_of_a_page_is_valid(line: str) -> None:
     if words[0].startswith("-") or words[0] == "COMMAND":
         return
     name = " ".join(words[:2]) if " ".join(words[:2]) in table else words[0]
-    rest = words[len(name.split()) :]
+    rest = typed_apart(words[len(name.split()) :])
     assert name in table
     # Some sentences only name a command.
     if rest and not hasattr(table[name], "list_commands"):

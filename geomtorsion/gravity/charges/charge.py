@@ -12,7 +12,13 @@ from geomtorsion.errors import GravityError
 from geomtorsion.geometry import Connection
 from geomtorsion.geometry.connections import ConnectionLike, FrameLike, as_frame
 from geomtorsion.gravity.charges.densities import KINDS, OUTSIDE, Request
-from geomtorsion.gravity.charges.spheres import divergence, integrated, number, sphere
+from geomtorsion.gravity.charges.spheres import (
+    divergence,
+    integrated,
+    number,
+    region_remarks,
+    sphere,
+)
 from geomtorsion.gravity.theory.lagrangian import Lagrangian
 from geomtorsion.support import checks
 from geomtorsion.support.displays import Plot, drawn_by, figure_by
@@ -286,7 +292,6 @@ def charge(
     is_held = one.symbol in one.values
     if conserved is None and exact is not None and not is_held and not density.at_infinity:
         conserved = sp.simplify(exact.diff(one.symbol)) == 0
-    region = own.region.assumption
     return Charge(
         kind=kind,
         name=density.name,
@@ -298,6 +303,6 @@ def charge(
         conserved=conserved,
         source=source,
         leaks=leaks,
-        assumed=(*one.assumed, *density.assumed, *([region] if region else [])),
+        assumed=(*one.assumed, *density.assumed, *region_remarks(own)),
         radius=one.symbol,
     )

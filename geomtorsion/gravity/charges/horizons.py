@@ -17,7 +17,7 @@ from geomtorsion.geometry.connections import FrameLike, as_frame
 from geomtorsion.gravity.charges.algebraic import Root, centre, real_roots
 from geomtorsion.gravity.charges.enclosed_roots import EnclosedRoot, enclosed_roots
 from geomtorsion.gravity.charges.horizon import Horizon
-from geomtorsion.gravity.charges.spheres import Sphere, number, reduced, sphere
+from geomtorsion.gravity.charges.spheres import Sphere, number, reduced, region_remarks, sphere
 from geomtorsion.gravity.theory.field_equations import equations
 from geomtorsion.gravity.theory.lagrangian import Lagrangian
 from geomtorsion.support import checks
@@ -226,8 +226,7 @@ class _Hole:
     @property
     def _assumed(self) -> tuple[str, ...]:
         """Assumptions about the surface, the region of the frame and the root, in words."""
-        one, region = self.sphere, self.sphere.frame.region.assumption
-        return (*one.assumed, *([region] if region else []))
+        return (*self.sphere.assumed, *region_remarks(self.sphere.frame))
 
     def _roots(self, condition: sp.Expr) -> Sequence[Root | EnclosedRoot]:
         """Positive radii at which a condition holds; others if there is none and the region has."""

@@ -22,6 +22,13 @@ from geomtorsion.support.precision import CONSTANT_BITS, ball_precision
 AROUND = ("phi", "varphi", "azimuth")
 
 
+def region_remarks(frame: Frame) -> tuple[str, ...]:
+    """The region of a frame in a list of assumptions; nothing where the domain was declared."""
+    if not frame.region.assumed:
+        return ()
+    return (f"the region {frame.region}; declare domain=[...] for another",)
+
+
 @dataclass(frozen=True)
 class Sphere:
     """A closed surface of a frame on which two coordinates are constant.

@@ -84,7 +84,8 @@ class Lagrangian:
     invariants: tuple[Invariant, ...] = ()
 
     def __repr__(self) -> str:
-        return f"{self.name}: {self.written}"
+        own = "" if self.name == Lagrangian.name else f"{self.name}: "
+        return f"{own}{self.written}"
 
     @property
     def written(self) -> str:

@@ -50,7 +50,7 @@ def read_theory(path: str | PathLike[str]) -> Lagrangian:
     ... invariants = {Y = "R_abcd R^abdc"}
     ... ''')
     ...     read_theory(file)
-    square: L = R + c*Y
+    square: L = R + c*Y, Y = R_abcd R^abdc
     """
     path = checks.file_name(path)
     file = read_toml(path)
