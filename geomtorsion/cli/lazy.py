@@ -43,7 +43,7 @@ _ARGUMENTS, _INTERRUPTS = "geomtorsion.arguments", "geomtorsion.interrupts"
 
 
 def typed_apart(args: Sequence[str]) -> list[str]:
-    """Arguments with a blank before line elements that begin with a minus, which are no options.
+    """Arguments, with a blank before each line element that begins like an option, with a minus.
 
     Examples
     --------

@@ -237,7 +237,7 @@ def _without_hidden(
     chosen: Sequence[tuple[Route, bool | None, str]],
     parameters: Parameters | None,
 ) -> list[tuple[Route, bool | None, str]]:
-    """The choices, with the line where a part winds round a line whose charge the flux misses."""
+    """The choices, but the line integral where the flux misses the charge of an enclosed line."""
     return [
         (pair[0], False, HIDDEN)
         if choice[0] is pair[1] and winds_around_line(frame, loop, part, parameters)
