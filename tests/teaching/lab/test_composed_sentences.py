@@ -141,9 +141,13 @@ def test_german_sentences_below_a_map():
 
 def test_notes_below_the_components_of_a_tetrad(blank: str):
     """A component that follows by symmetry, in German and without words."""
-    case = {"coordinates": "r, phi", "entries": [["1", "0"], ["0", "r"]], "show": ["torsion"]}
+    case: dict[str, Any] = {
+        "coordinates": "r, phi",
+        "entries": [["1", "0"], ["0", "r"]],
+        "show": ["torsion"],
+    }
     assert "1 weitere Komponente folgt aus der Symmetrie." in tetrad(**case, language="de")["html"]
-    assert not words(tetrad(**case | {"show": OFFERED}, language=blank)["html"])
+    assert not words(tetrad(**case | every, language=blank)["html"])
 
 
 def test_the_plan_of_a_top(blank: str):
