@@ -141,6 +141,7 @@ def test_german_sentences_below_a_map():
 
 def test_notes_below_the_components_of_a_tetrad(blank: str):
     """A component that follows by symmetry, in German and without words."""
+    every: dict[str, Any] = {"show": OFFERED}
     case: dict[str, Any] = {
         "coordinates": "r, phi",
         "entries": [["1", "0"], ["0", "r"]],
