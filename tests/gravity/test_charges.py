@@ -61,6 +61,8 @@ FORMULAS = [
     ("kerr", {"killing": "phi"}, M * a, True),
     ("kerr_newman", {}, KERR_NEWMAN, False),
     (static(CHARGED, "M Q"), {}, M - Q**2 / r, False),
+    # One radius does not show whether others have the same charge.
+    (static(CHARGED, "M Q"), {"surface": {"r": 3}}, M - Q**2 / 3, None),
     (static(CHARGED, "M Q"), {"kind": "electric", "potential": ["-Q/r", 0, 0, 0]}, Q, True),
     (static(CHARGED, "M Q", -1), {"kind": "electric", "potential": ["Q/r", 0, 0, 0]}, Q, True),
     (static(COSMIC, "M L"), {}, M - L * r**3 / 3, False),
@@ -233,6 +235,14 @@ def test_both_horizons_of_kerr() -> None:
     assert outer.temperature == pytest.approx(0.8 / (3.6 * 3.141592653589793 * 2), rel=ROUNDED)
 
 
+SIGMA, DELTA = "(r^2 + 9/25*cos(theta)^2)", "(r^2 - 2 r + 9/25)"
+# Kerr's own coordinates, regular at the horizon, where v and phi turn together.
+INGOING = gt.Frame.from_metric(
+    "v r theta phi",
+    f"-(1 - 2 r/{SIGMA}) dv^2 + 2 dv dr + {SIGMA} dtheta^2 - 6/5*sin(theta)^2 dr dphi"
+    f" + ((r^2 + 9/25)^2 - 9/25*{DELTA}*sin(theta)^2)/{SIGMA}*sin(theta)^2 dphi^2"
+    f" - 12/5*r/{SIGMA}*sin(theta)^2 dv dphi",
+)
 KERR_NUMBERS = gt.spaces.load("kerr").frame.subs({"M": 1, "a": "3/5"})
 KERR_ROOTS = gt.spaces.load("kerr").frame.subs({"M": 1, "a": "1/3"})
 
@@ -244,6 +254,7 @@ KERR_ROOTS = gt.spaces.load("kerr").frame.subs({"M": 1, "a": "1/3"})
         (KERR_ROOTS, 1 / 3),
         (gt.Frame.from_metric(KERR_NUMBERS.coordinates, KERR_NUMBERS.metric[:, :]), 0.6),
         (gt.Frame(SPHERICAL, KERR_NUMBERS.coframe[:, :], "-+++"), 0.6),
+        (INGOING, 0.6),
     ],
 )
 def test_kerr_typed_with_numbers(frame: gt.Frame, spin: float) -> None:
