@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from importlib import import_module
+from os.path import exists
 from pathlib import Path
 from typing import TypeVar
 
@@ -34,7 +35,7 @@ def shipped_or_file(
 
 def open_space(source: str) -> Space:
     """The shipped space of this name, the space in this file, or a line element."""
-    if is_typed(source) and not Path(source).exists():
+    if is_typed(source) and not exists(source):
         return spaces.load(source)
     tetrad = source in spaces.names() or Path(source).suffix == ".toml"
     # By name: a command on a space does not need the readers of measured data.

@@ -11,7 +11,7 @@ import typer
 
 from geomtorsion import gravity
 from geomtorsion.cli.options import option
-from geomtorsion.cli.values import assigned, separated
+from geomtorsion.cli.values import assigned
 from geomtorsion.geometry import Connection, cartan, from_torsion, levi_civita
 from geomtorsion.gravity import (
     FieldEquations,
@@ -24,6 +24,7 @@ from geomtorsion.gravity.theory.matter import MatterField
 from geomtorsion.gravity.theory.vocabulary import THEORIES
 from geomtorsion.spaces import Space, names
 from geomtorsion.support.files import read_toml
+from geomtorsion.support.typed_text import separated
 
 
 class Over(StrEnum):

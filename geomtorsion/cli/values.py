@@ -13,6 +13,7 @@ from geomtorsion.ode import Engine
 from geomtorsion.ode.engines.named import SHIPPED
 from geomtorsion.support.checks import cut, shown
 from geomtorsion.support.files import plain_float
+from geomtorsion.support.typed_text import separated
 
 
 def parts(text: str) -> tuple[str, ...]:
@@ -24,24 +25,6 @@ def parts(text: str) -> tuple[str, ...]:
     ('torsion', 'ricci')
     """
     return tuple(part.strip() for part in text.split(",") if part.strip())
-
-
-def separated(text: str) -> list[str]:
-    """Expressions separated by commas outside of brackets.
-
-    Examples
-    --------
-    >>> separated("A(t, r), 0")
-    ['A(t, r)', '0']
-    """
-    pieces, depth = [""], 0
-    for sign in text:
-        depth += (sign == "(") - (sign == ")")
-        if sign == "," and not depth:
-            pieces.append("")
-        else:
-            pieces[-1] += sign
-    return [piece.strip() for piece in pieces]
 
 
 def assigned(text: str, option: str, example: str) -> tuple[str, str]:

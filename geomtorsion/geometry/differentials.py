@@ -10,7 +10,7 @@ import sympy as sp
 
 from geomtorsion.errors import CoframeError, MetricError
 from geomtorsion.support.checks import ErrorClass, refuse
-from geomtorsion.support.typed_text import ANGLES, COMMA, SPHERE
+from geomtorsion.support.typed_text import ANGLES, SPHERE, separated
 
 # Text, its place in messages, and the symbols dq^mu that it may contain.
 Reader = Callable[[str, str, Sequence[sp.Symbol]], sp.Expr]
@@ -86,7 +86,7 @@ def written_out(
         value = read(text, kind, forms)
         return _coefficients(value, forms, 2, kind, values, MetricError)
     if kind == "coframe" and isinstance(values, str):
-        values = [part.strip() for part in COMMA.split(values)]
+        values = separated(values)
     listed = values if is_flat(values) and isinstance(values, list | tuple) else ()
     if kind == "metric" and len(listed) > 1:
         return [[x if mu == nu else 0 for nu in range(len(listed))] for mu, x in enumerate(listed)]

@@ -10,7 +10,7 @@ from geomtorsion.geometry import Frame
 from geomtorsion.spaces.space import Space
 from geomtorsion.support import checks
 from geomtorsion.support.outgoing import one_line
-from geomtorsion.support.typed_text import ANGLES, COMMA, DIFFERENTIAL, QUADRATIC, SPHERE
+from geomtorsion.support.typed_text import ANGLES, DIFFERENTIAL, QUADRATIC, SPHERE, separated
 
 _NAME = re.compile(r"(?<![^\W\d])[^\W\d]\w*(?!\w|\s*\()")
 _LENGTH = re.compile(r"(?<!\w)ds(?!\w)")
@@ -52,7 +52,7 @@ def typed_space(text: str) -> Space:
     rest = _LENGTH.sub("", SPHERE.sub("", text))
     taken = {*coordinates, *(f"d{name}" for name in coordinates), *words.CONSTANTS}
     parameters = [x for x in dict.fromkeys(_NAME.findall(rest)) if x not in taken]
-    forms = [part.strip() for part in COMMA.split(text)]
+    forms = separated(text)
     title = one_line(text)
     if len(forms) > 1 or not QUADRATIC.search(text):
         frame = Frame(coordinates, forms, parameters=parameters, name="typed")

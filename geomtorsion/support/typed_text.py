@@ -12,9 +12,6 @@ DIFFERENTIAL = re.compile(r"(?<![^\W\d])(d(?!elta\b|s\b|Omega|Ω)[^\W\d]\w*)(?!\
 # A square or a product of differentials, as opposed to a one-form.
 QUADRATIC = re.compile(r"\^|\*\*|(?<![^\W\d])d[^\W\d]\w*[\s*]+d[^\W\d]")
 
-# A comma outside of the arguments of a function.
-COMMA = re.compile(r",(?![^(]*\))")
-
 
 def is_typed(text: str) -> bool:
     """Whether a text contains differentials, as no name of a space or file does.
@@ -26,3 +23,21 @@ def is_typed(text: str) -> bool:
     """
     has_sign = re.search(r"[\^*+,\s]", text.strip()) is not None
     return has_sign and bool(DIFFERENTIAL.search(text) or SPHERE.search(text))
+
+
+def separated(text: str) -> list[str]:
+    """Expressions separated by commas outside of brackets.
+
+    Examples
+    --------
+    >>> separated("A(t, r), 0")
+    ['A(t, r)', '0']
+    """
+    pieces, depth = [""], 0
+    for sign in text:
+        depth += (sign == "(") - (sign == ")")
+        if sign == "," and not depth:
+            pieces.append("")
+        else:
+            pieces[-1] += sign
+    return [piece.strip() for piece in pieces]

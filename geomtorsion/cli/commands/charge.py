@@ -14,9 +14,10 @@ from geomtorsion.cli.results import show_result, write_result
 from geomtorsion.cli.sources import open_space
 from geomtorsion.cli.terminal import working
 from geomtorsion.cli.theories import LagrangianOption, theory_of
-from geomtorsion.cli.values import assigned, separated
+from geomtorsion.cli.values import assigned
 from geomtorsion.errors import ArgumentError
 from geomtorsion.pictures.charges import draw_charge
+from geomtorsion.support.typed_text import separated
 
 
 def charge(

@@ -18,10 +18,11 @@ from geomtorsion.cli.theories import (
     invariants_of,
     theory_of,
 )
-from geomtorsion.cli.values import assigned, separated
+from geomtorsion.cli.values import assigned
 from geomtorsion.errors import ArgumentError
 from geomtorsion.gravity import perturbed
 from geomtorsion.gravity.charges.spheres import number
+from geomtorsion.support.typed_text import separated
 
 # Names of connections in other commands -> the geometry that varies them.
 CONNECTIONS = {"cartan": "teleparallel", "levi-civita": "riemannian"}

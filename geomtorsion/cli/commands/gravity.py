@@ -24,10 +24,10 @@ from geomtorsion.cli.theories import (
     field_equations,
     model_of,
 )
-from geomtorsion.cli.values import separated
 from geomtorsion.errors import ArgumentError
 from geomtorsion.gravity.theory.fluids import Fluid
 from geomtorsion.pictures.field_equations import field_equations_data, field_equations_lines
+from geomtorsion.support.typed_text import separated
 
 
 def gravity(

@@ -20,11 +20,12 @@ from geomtorsion.cli.theories import (
     invariants_of,
     theory_of,
 )
-from geomtorsion.cli.values import assigned, number, separated
+from geomtorsion.cli.values import assigned, number
 from geomtorsion.errors import ArgumentError
 from geomtorsion.gravity import perturbed
 from geomtorsion.pictures.modes import draw_evolution
 from geomtorsion.support.checks import shown
+from geomtorsion.support.typed_text import separated
 
 
 class Kind(StrEnum):

@@ -23,12 +23,13 @@ from geomtorsion.cli.options import (
 from geomtorsion.cli.results import show_result, write_result
 from geomtorsion.cli.sources import open_space
 from geomtorsion.cli.terminal import working
-from geomtorsion.cli.values import named_numbers, number, separated, start_options
+from geomtorsion.cli.values import named_numbers, number, start_options
 from geomtorsion.errors import StartError
 from geomtorsion.ode import is_equation_file, read_equations
 from geomtorsion.proofs import closed_orbit
 from geomtorsion.spaces import pair_problems
 from geomtorsion.support.checks import shown
+from geomtorsion.support.typed_text import separated
 
 
 def orbit(

@@ -11,13 +11,15 @@ from geomtorsion.gravity.theory.invariants import FORMULAS, INVARIANTS, Invarian
 from geomtorsion.gravity.theory.products import Factor, read_products
 
 # LaTeX: R_{ab}, R^{\mu\nu}, R_{\mu \nu}.
-_BRACES = re.compile(r"([_^])\{((?:\s*\\?[^\W\d_]+)+\s*)\}")
+_BRACES = re.compile(r"([_^])\{((?:\s*\\?[^\W\d_])+\s*)\}")
 _LETTER = re.compile(r"\\([a-z]+)|([^\W\d_])")
 # A tensor with indices, and several of them in a product.
 _TENSOR = r"[^\W\d_]+(?:_[2-9]\d*)?(?:[_^][^\W\d_]+)+(?!\w)"
-_PRODUCT = re.compile(rf"(?<![\w^]){_TENSOR}(?:\s*\*?(?!\*)\s*{_TENSOR})*(?!\s*(?:\*\*|\^))")
+_PRODUCT = re.compile(rf"(?<![\w^]){_TENSOR}(?:\s*(?:\*(?!\*)\s*)?{_TENSOR})*(?!\s*(?:\*\*|\^))")
 _ONE = re.compile(_TENSOR)
 _RUN = re.compile(r"([_^])([^\W\d_]+)")
+# Factors of one contraction.
+MOST_FACTORS = 12
 # Squares of tensors, by name and number of indices.
 _SQUARES = {
     ("F", 2): "F2", ("B", 2): "B2", ("H", 3): "H2", ("C", 4): "P1", ("Weyl", 4): "P1",
@@ -122,7 +124,7 @@ def _groups(tensors: list[str]) -> Iterator[list[str]]:
     """Contractions, the shortest first; names that only look like tensors stay apart."""
     start = 0
     while start < len(tensors):
-        for end in range(start + 1, len(tensors) + 1):
+        for end in range(start + 1, min(start + MOST_FACTORS, len(tensors)) + 1):
             if _is_closed(tensors[start:end]):
                 yield tensors[start:end]
                 start = end
