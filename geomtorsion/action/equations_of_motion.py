@@ -317,7 +317,7 @@ def equations_of_motion(
     ShapeError
         The number of forces differs from the number of forms.
     UnknownNameError
-        There is no such principle; the message names the nearest.
+        No principle has this name; the message names the nearest.
 
     Examples
     --------

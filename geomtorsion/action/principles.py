@@ -60,7 +60,7 @@ def principle_named(name: str) -> Principle:
     Raises
     ------
     UnknownNameError
-        There is no such principle; the message names the nearest and lists all.
+        No principle has this name; the message names the nearest and lists all.
 
     Examples
     --------

@@ -274,7 +274,7 @@ def variation(
     Raises
     ------
     UnknownNameError
-        There is no such principle; the message names the nearest.
+        No principle has this name; the message names the nearest.
     ShapeError
         The connection belongs to another frame.
 

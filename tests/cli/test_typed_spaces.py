@@ -68,3 +68,9 @@ def test_commands_on_a_typed_space() -> None:
 def test_refusals(text: str, words: str) -> None:
     result = running.run("geometry", text, code=ExitCode.wrong_input)
     assert words in result.stderr
+
+
+def test_a_line_element_may_be_longer_than_a_file_name() -> None:
+    """Systems refuse names of files above 255 letters."""
+    long = "dx^2 + " + " + ".join(["0*x^2*dx^2"] * 40) + " + dy^2"
+    assert "= 0" in running.run("geometry", long, "--only", "ricci").stdout

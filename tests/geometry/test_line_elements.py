@@ -141,4 +141,6 @@ def test_one_text_of_one_forms():
     """A coframe in one text is the coframe of its parts; functions keep their commas."""
     one = gt.Frame("x y", "f(x, y) dx, dy - x dx")
     assert one.coframe == gt.Frame("x y", ["f(x, y) dx", "dy - x dx"]).coframe
+    nested = gt.Frame("x y", "atan2(x, sin(y)) dx, dy")
+    assert str(nested.coframe[0, 0]) == "atan2(x, sin(y))"
     assert gt.same_geometry("dx^2 + dy^2", "dr^2 + r^2 dphi^2").verdict == "same"

@@ -64,3 +64,12 @@ def test_new_general_relativity_in_indices() -> None:
     two = gravity.perturbed.spectrum("a*T1 + b*T2 + c*T3")
     assert one.geometry == "teleparallel"
     assert str(one).split("\n")[1:] == str(two).split("\n")[1:]
+
+
+@pytest.mark.parametrize(
+    "text", ["R_{" + "a" * 60, "R + " + "A_a " * 2000, "R_ab" + " " * 4000 + "!"]
+)
+def test_long_texts_without_a_contraction_are_refused(text: str) -> None:
+    """Searching these for contractions took minutes or more."""
+    with pytest.raises(gt.GeomtorsionError):
+        gravity.equations(METRIC, text)

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import re
-from collections import Counter
 from collections.abc import Iterator, Sequence
 from itertools import count, permutations
 
@@ -18,8 +17,6 @@ _TENSOR = r"[^\W\d_]+(?:_[2-9]\d*)?(?:[_^][^\W\d_]+)+(?!\w)"
 _PRODUCT = re.compile(rf"(?<![\w^]){_TENSOR}(?:\s*(?:\*(?!\*)\s*)?{_TENSOR})*(?!\s*(?:\*\*|\^))")
 _ONE = re.compile(_TENSOR)
 _RUN = re.compile(r"([_^])([^\W\d_]+)")
-# Factors of one contraction.
-MOST_FACTORS = 12
 # Squares of tensors, by name and number of indices.
 _SQUARES = {
     ("F", 2): "F2", ("B", 2): "B2", ("H", 3): "H2", ("C", 4): "P1", ("Weyl", 4): "P1",
@@ -65,7 +62,7 @@ def named_contractions(text: str) -> tuple[str, tuple[Invariant, ...]]:
         if plain[: match.start()].rstrip().endswith("/") and "*" in match[0]:
             return match[0]
         groups = _groups(_ONE.findall(match[0]))
-        return "*".join(name_of(x) if _is_closed(x) else x[0] for x in groups)
+        return "*".join(name_of(x) if is_closed else x[0] for x, is_closed in groups)
 
     changed = _PRODUCT.sub(replaced, plain)
     return (changed, tuple(own.values())) if changed != plain else (text, ())
@@ -100,38 +97,27 @@ _GREEK = (
 ).split()
 
 
-def _heights(tensors: Sequence[str]) -> Counter[tuple[str, str]]:
-    """How often each index is up and down."""
-    return Counter(
-        (letter, sign)
-        for tensor in tensors
-        for sign, letters in _RUN.findall(tensor)
-        for letter in letters
-    )
+def _closed_at(tensors: Sequence[str]) -> int:
+    """How many of the first tensors have each index once up and once down; 0 if never."""
+    seen: set[tuple[str, str]] = set()
+    for number, tensor in enumerate(tensors, 1):
+        for sign, letters in _RUN.findall(tensor):
+            for letter in letters:
+                if (letter, sign) in seen:
+                    return 0
+                seen.add((letter, sign))
+        if all((letter, "^" if sign == "_" else "_") in seen for letter, sign in seen):
+            return number
+    return 0
 
 
-def _is_closed(tensors: Sequence[str]) -> bool:
-    """Whether each index is once up and once down."""
-    heights = _heights(tensors)
-    return (
-        all(count == 1 for count in heights.values())
-        and all((letter, "^" if sign == "_" else "_") in heights for letter, sign in heights)
-        and bool(heights)
-    )
-
-
-def _groups(tensors: list[str]) -> Iterator[list[str]]:
-    """Contractions, the shortest first; names that only look like tensors stay apart."""
+def _groups(tensors: list[str]) -> Iterator[tuple[list[str], bool]]:
+    """Contractions, the shortest first, and with False names that only look like tensors."""
     start = 0
     while start < len(tensors):
-        for end in range(start + 1, min(start + MOST_FACTORS, len(tensors)) + 1):
-            if _is_closed(tensors[start:end]):
-                yield tensors[start:end]
-                start = end
-                break
-        else:
-            yield [tensors[start]]
-            start += 1
+        number = _closed_at(tensors[start:])
+        yield tensors[start : start + max(number, 1)], number > 0
+        start += max(number, 1)
 
 
 def _form(formula: str) -> frozenset[tuple[object, ...]]:
